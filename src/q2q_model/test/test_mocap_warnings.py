@@ -30,6 +30,7 @@ def test_a_fault_is_warned_of_once_it_lasts_with_its_vehicles() -> None:
         (FrameWarnings(frozen=PAIR), "repeat"),
         (FrameWarnings(outside=PAIR), "in metres"),
         (FrameWarnings(not_unit=PAIR), "unit length"),
+        (FrameWarnings(upside_down=PAIR), "x, y, z, w"),
         (FrameWarnings(missing=PAIR), "no position"),
     ):
         assert reported(wrong, lasts - 2) == []
@@ -87,3 +88,15 @@ def test_a_filter_knows_whose_quaternions_are_none(quat: list[float]) -> None:
     markers = np.array([[np.nan] * 4, [0.0, 0.0, 0.0, 1.0]])  # of single markers, which have none
     block.update(replace(frame, t=1.0, pos=PLACES, quat=markers))
     assert block.warnings == NOTHING
+
+
+@pytest.mark.parametrize("ticks", [50, 600])  # rejected, and accepted after 4 s
+@pytest.mark.parametrize("before", [0, 20])
+def test_a_filter_knows_who_is_upside_down_by_its_quaternion(ticks: int, before: int) -> None:
+    block, noise = MocapFilter(MocapFilterParams(), PAIR), np.random.default_rng(2)
+    for k in range(before + ticks):
+        quat = identity_quat((2,))
+        if k >= before:
+            quat[0] = quat[0, [3, 0, 1, 2]]
+        block.update(MocapFrame(k * DT, PAIR, PLACES + noise.normal(0.0, 3e-4, (2, 3)), quat))
+        assert block.warnings == (FrameWarnings(upside_down=("cf1",)) if k >= before else NOTHING)

@@ -17,6 +17,8 @@ class FrameWarnings(NamedTuple):
     """Their positions are further from the origin than any that is accepted."""
     not_unit: Names = ()
     """Their quaternions are not of unit length."""
+    upside_down: Names = ()
+    """Their quaternions say that they are upside down."""
     missing: Names = ()
     """They have no position."""
 

@@ -12,6 +12,8 @@ rows by name in frame_rows. This file is about frames:
   held, velocity zero, attitude held. Age grows in both.
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
   So is one that passes the gates further than `jump_max` from its prediction, as it may after a gap.
+- A vehicle whose quaternions have been upside down since the first is LOST and of infinite age, where it is:
+  it has no attitude to fly by.
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
@@ -180,8 +182,10 @@ class MocapFilter:
         self._wrong = tracked.borrowed, tracked.frozen, *faults
         self._count(~faults.missing, tracked)
         age, status = self._age_and_status(t, tracked)
-        moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body
-        return SwarmState(t, self._names, *moving, age, status)
+        vel = np.where(np.isinf(age)[:, None], 0.0, tracked.vel)
+        return SwarmState(
+            t, self._names, tracked.pos, vel, self._attitudes.quat, self._attitudes.ang_vel_body, age, status
+        )
 
     def _by_track(self, frame: MocapFrame) -> Array:
         """Return the frame's poses in the order of the tracks, (n, 7); NaN where absent."""
@@ -199,11 +203,12 @@ class MocapFilter:
         return self._attitudes.nearest(quat, borrowed)
 
     def _age_and_status(self, t: float, tracked: TrackUpdate) -> tuple[Array, Status]:
-        if tracked.nominal:
+        unknown = self._attitudes.never_upright
+        if tracked.nominal and not unknown.any():
             return np.zeros(len(self._names)), np.full(len(self._names), _TRACKED)
-        age = self._positions.age(t)
+        age = np.where(unknown, np.inf, self._positions.age(t))
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, _COASTING, _LOST)
-        return age, np.where(tracked.trusted, _TRACKED, late)
+        return age, np.where(tracked.trusted & ~unknown, _TRACKED, late)
 
     def _are_many_lost(self) -> bool:
         return self._last is not None and int((self._last.status == _LOST).sum()) >= LOST_MOST

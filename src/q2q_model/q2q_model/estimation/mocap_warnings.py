@@ -14,6 +14,7 @@ _WORDS = {
     "frozen": "poses that repeat are rejected: {}; does the server see them?",
     "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
     "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",
+    "upside_down": "upside down by their quaternions: {}; are these x, y, z, w, and markers as defined?",
     "missing": "no position of {}: are its markers seen, and is this its name in motion capture?",
 }
 

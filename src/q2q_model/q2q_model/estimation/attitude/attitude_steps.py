@@ -1,4 +1,4 @@
-"""Compiled step of the attitude tracks in a nominal tick: no attitude is new or rejected.
+"""Compiled step of the attitude tracks in a nominal tick: no attitude is new, rejected or upside down.
 
 Gates and symbols are those of q2q_model.estimation.attitude.attitude_tracks, which takes all other ticks.
 """
@@ -14,8 +14,6 @@ from q2q_model.signals.values import Array, Mask
 
 UNIT_TOLERANCE = 0.05
 """Largest deviation of a valid quaternion's length from 1: float32 has 1e-6, four digits have 1e-3."""
-RIGHT_ANGLE = math.cos(0.25 * math.pi)
-"""Last component of a quaternion that turns by a right angle."""
 _TINY = 1e-150
 """Stands for zero in the sine of a turn."""
 
@@ -73,7 +71,8 @@ def attitude_columns(table: Table) -> Attitudes:
 def follow_attitudes(t: float, measured: Array, params: AttitudeGateParams, table: Table) -> bool:
     """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are taken.
 
-    They are if no track is new or rejected samples before, and every sample is absent or passes the gate.
+    They are if no track is new or rejected samples before, and every sample is absent, or passes the gate
+    with body z up.
     """
     tracks = attitude_columns(table)
     turn = np.empty(4)
@@ -85,7 +84,7 @@ def follow_attitudes(t: float, measured: Array, params: AttitudeGateParams, tabl
             _turn(tracks.quat[i], measured[i], turn) > 0.0
             and elapsed <= params.coast_s
             and _is_plausible(turn, elapsed, params)
-            and not _is_reflection(measured[i], turn)
+            and _points_up(measured[i])
         ):
             return False
     for i in range(len(measured)):
@@ -129,10 +128,10 @@ def _is_plausible(turn: Array, elapsed: float, params: AttitudeGateParams) -> bo
 
 
 @compiled
-def _is_reflection(measured: Array, turn: Array) -> bool:
-    """Return whether a turn to a quaternion is one of `_reflections`."""
+def _points_up(measured: Array) -> bool:
+    """Return whether body z of a quaternion points up."""
     x, y, z, w = measured[0], measured[1], measured[2], measured[3]
-    return abs(turn[3]) < RIGHT_ANGLE and not x * x + y * y < z * z + w * w
+    return bool(x * x + y * y < z * z + w * w)
 
 
 @compiled

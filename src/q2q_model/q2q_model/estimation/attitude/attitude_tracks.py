@@ -2,18 +2,18 @@
 
 A quaternion q, tau after the last accepted one q0, is accepted if its angle to q0 is at most turn_max +
 turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts for
-`reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
-flight is not upside down, a reflected rigid body may be, and a controller that flew by it would stop the
-motors. For the same reason a turn by more than a right angle to upside down is rejected after any gap, also
-after one by a jump of the clock, until it has lasted for `flip_reacquire_s`, and a turn from upside down to
-upright is accepted at once: a vehicle that tumbles is seen to turn. q and -q are one attitude: the sign
-nearest the last is kept. The body rate is the constant rate between successive attitudes behind a first-order
-low-pass filter, so it lags by half a sample and the filter's time constant T:
+`reacquire_s` is accepted. The first attitude of a track is accepted once its body z points up: a vehicle that
+is to fly is not upside down, a reflected rigid body and a quaternion w x y z are, and a controller that flew
+by them would command the least thrust. For the same reason a turn by more than a right angle to upside down
+is rejected after any gap, also after one by a jump of the clock, until it has lasted for `flip_reacquire_s`,
+and a turn from upside down to upright is accepted at once: a vehicle that tumbles is seen to turn. q and -q
+are one attitude: the sign nearest the last is kept. The body rate is the constant rate between successive
+attitudes behind a first-order low-pass filter, so it lags by half a sample and the filter's time constant T:
 
     w_raw = log(q0* q) / tau,   w = w + tau / (tau + T) (w_raw - w)
 
-In a dropout the attitude is held and the rate is zero. The ticks in which no attitude is new or
-rejected are those of q2q_model.estimation.attitude.attitude_steps.
+In a dropout the attitude is held and the rate is zero. The ticks in which no attitude is new, rejected or
+upside down are those of q2q_model.estimation.attitude.attitude_steps.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -27,7 +27,6 @@ import numpy as np
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
 from q2q_model.estimation.attitude.attitude_steps import (
     ATTITUDE,
-    RIGHT_ANGLE,
     UNIT_TOLERANCE,
     AttitudeGateParams,
     Attitudes,
@@ -35,6 +34,9 @@ from q2q_model.estimation.attitude.attitude_steps import (
 )
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
 from q2q_model.signals.values import Array, Mask, SwarmState
+
+RIGHT_ANGLE = np.cos(0.25 * np.pi)
+"""Last component of a quaternion that turns by a right angle."""
 
 
 def measured_attitudes(state: SwarmState) -> Mask:
@@ -91,6 +93,11 @@ class AttitudeTracks:
         """Return the body rates [rad/s], (n, 3)."""
         return self._tracks.ang_vel_body.copy()
 
+    @property
+    def never_upright(self) -> Mask:
+        """Return which vehicles have had attitudes, but none with body z up, (n,)."""
+        return np.asarray(~self._tracks.seen & np.isfinite(self._tracks.rejected_since))
+
     def nearest(self, offered: Array, other: Array) -> Array:
         """Return, row by row, the nearer of two quaternions (n, 4) to the track; NaN is never nearer."""
         last = self._tracks.quat
@@ -118,8 +125,8 @@ class AttitudeTracks:
         righted = ~(tracks.seen & _is_upright(tracks.quat)) & _is_upright(quat)
         rejected = present & ~near & ~righted
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
-        patience = np.where(tracks.seen & reflected, params.flip_reacquire_s, params.reacquire_s)
-        lasting = t - tracks.rejected_since >= patience - SAME_INSTANT
+        patience = np.where(reflected, params.flip_reacquire_s, params.reacquire_s)
+        lasting = tracks.seen & (t - tracks.rejected_since >= patience - SAME_INSTANT)
         accepted = present & (near | righted | lasting)
         followed = near & (t - tracks.time <= params.coast_s + SAME_INSTANT)
         rate = self._rate(turn, np.where(followed, t - tracks.time, 1.0))
