@@ -7,9 +7,15 @@ import numpy as np
 import pytest
 from made_flights import Pass, made_flight
 
+from q2q_model.flights.copies.motion_windows import MOST, as_text, from_text, motion_windows
+from q2q_model.flights.copies.same_flight import (
+    COPY_IN_FIT,
+    IN_FIT,
+    fit_remarks,
+    flight_digest,
+    is_same_flight,
+)
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
-from q2q_model.flights.motion_windows import MOST, as_text, from_text, motion_windows
-from q2q_model.flights.same_flight import COPY_IN_FIT, IN_FIT, fit_remarks, flight_digest, is_same_flight
 
 HOVER = 0.001
 """Noise of the positions of a hovering vehicle [m]."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW
-from q2q_model.flights.same_flight import flight_digest
+from q2q_model.flights.copies.same_flight import flight_digest
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_model.identification.push.push_samples import PushSamples, PushScore

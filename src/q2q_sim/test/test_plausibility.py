@@ -6,7 +6,7 @@ import pytest
 from synthetic_air import Wake, flown, orbit, wide_jet
 
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning.plausibility import doubts, reject_excess, reject_lift
+from q2q_sim.air.learning.jet.plausibility import doubts, reject_excess, reject_lift
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.fitted import Fitted
 

@@ -4,13 +4,13 @@ flights -> repaired records -> gains (12)-(13) -> pushes -> dev, alpha, beta, d 
 -> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
-from q2q_model.flights.same_flight import flight_digest
+from q2q_model.flights.copies.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gain_notes import unstable_reason
@@ -98,19 +98,17 @@ def identify(
     pushed = [sample for samples in pushes for sample in samples]
     data = [IdentificationData(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
-    _check_loop(gains, data)
+    _check_inference(gains, data)
     decay, no_decay = _decay(records)
     omitted = network_notes(params.model_type, data)
-    tried = candidates(params.model_type, data, loop)
-    trials, failed = score_candidates(tried, data, loop, on_step)
+    trials, failed = score_candidates(candidates(params.model_type, data, loop), data, loop, on_step)
     on_step("final fit")
     best, model, unfit = fit_best(trials, data, failed)
     model = with_deviation(best.candidate, model, data)
     zone, on_zone = _learned_zone(model, params.threshold, records)
     train = score_on(model, data, loop)
     spread = parameter_intervals(best.candidate, model, data, loop)
-    claims = best.candidate.kind != NOTHING.kind
-    doubted = model_doubts(gains, best.held_out, data, model, dict(spread)) if claims else []
+    doubted = _doubts(best, gains, data, model, dict(spread))
     return Identification(
         data=tuple(data),
         gains=gains,
@@ -128,12 +126,24 @@ def identify(
     )
 
 
-def _check_loop(gains: GainFit, data: Sequence[IdentificationData]) -> None:
+def _check_inference(gains: GainFit, data: Sequence[IdentificationData]) -> None:
     """Raise ValueError if downwash would have to be inferred from altitudes by a loop that is not stable."""
     measured = any(one.exposed.any() for flight in data for one in flight.pushes)
     inferred = not measured and any(has_exposure(record) for record in every_record(data))
     if inferred and (reason := unstable_reason(gains)):
         raise ValueError(f"no downwash can be inferred from altitudes, as {reason}")
+
+
+def _doubts(
+    best: Trial,
+    gains: GainFit,
+    data: Sequence[IdentificationData],
+    model: InteractionModel,
+    spread: Mapping[str, Interval],
+) -> list[str]:
+    """Return the doubts of a model that predicts downwash."""
+    predicts = best.candidate.kind != NOTHING.kind
+    return model_doubts(gains, best.held_out, data, model, spread) if predicts else []
 
 
 def _file(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import gains_from_commands
-from q2q_model.identification.intervals import Interval
+from q2q_model.identification.statistics.intervals import Interval
 
 APART = 0.2
 """Difference of two gains over the larger one from which they are those of two controllers [-]."""

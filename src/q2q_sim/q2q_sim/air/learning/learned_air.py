@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from q2q_model.flights.same_flight import flight_digest
+from q2q_model.flights.copies.same_flight import flight_digest
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_terms import AbsorptionTerm, EdgeTorqueTerm, JetTerm, RateLoadTerm, ResidualTerm
@@ -17,8 +17,8 @@ from q2q_sim.air.learning.ground_term import ground_term
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
 from q2q_sim.air.learning.jet.leave_one_group_out import held_out_groups
+from q2q_sim.air.learning.jet.plausibility import doubts, reject_excess, reject_lift
 from q2q_sim.air.learning.lateral_push import lateral_push
-from q2q_sim.air.learning.plausibility import doubts, reject_excess, reject_lift
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.residual_term import residual_term

@@ -5,8 +5,8 @@ from hashlib import sha256
 
 import numpy as np
 
+from q2q_model.flights.copies.motion_windows import as_text, from_text, hold_same_motion, motion_windows
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.motion_windows import as_text, from_text, hold_same_motion, motion_windows
 
 COPY_IN_FIT = "this flight is in the fit: not held out"
 IN_FIT = "a flight of this name is in the fit: not held out if it is this one"

@@ -1,0 +1,1 @@
+"""Copies of flights: windows of motion, digests, what is said of them."""
