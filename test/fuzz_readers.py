@@ -85,7 +85,7 @@ def scenario(data: bytes) -> None:
 def waypoints(data: bytes) -> None:
     """Read waypoints."""
     with suppress(ValueError):
-        read_waypoints(written(data, "waypoints.yaml"), FlightLimits(), "stop")
+        read_waypoints(written(data, "waypoints.yaml"), FlightLimits(), "stop_and_go")
 
 
 def cdr(data: bytes) -> None:

@@ -168,7 +168,7 @@ def test_osqp_is_set_up_once_for_three_axes_and_finds_our_cost(monkeypatch: pyte
     monkeypatch.setattr(osqp, "OSQP", Counted)
     times, points = np.array([0.0, 1.5, 4.0]), np.array([[0.0, 0.0, 1.0], [1.0, -0.5, 2.0], [0.3, 0.4, 1.2]])
     ways = tuple(Waypoint(t, tuple(point)) for t, point in zip(times.tolist(), points.tolist(), strict=True))
-    ours = snap_cost(minimum_snap(VehicleWaypoints("cf1", ways), "pass"))
+    ours = snap_cost(minimum_snap(VehicleWaypoints("cf1", ways), "free"))
     found = planning.cost_by_osqp(planning.coefficient_problem(times, points))
     assert found == pytest.approx(ours, rel=1e-9)  # polished
     assert len(set_up) == 1

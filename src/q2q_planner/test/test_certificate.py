@@ -30,7 +30,7 @@ def random_plan(seed: int, vehicles: int = 3) -> SwarmPlan:
         times = np.concatenate([[0.0], np.cumsum(generator.uniform(0.5, 4.0, 3))])
         points = (Waypoint(float(t), tuple(generator.normal(size=3))) for t in times)
         swarm.append(VehicleWaypoints(f"cf{row}", tuple(points)))
-    return minimum_snap_plan(swarm, "pass")
+    return minimum_snap_plan(swarm, "free")
 
 
 def sampled_clearance(plan: SwarmPlan, zone: Zone) -> float:

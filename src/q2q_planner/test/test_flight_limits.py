@@ -27,12 +27,12 @@ LIMITS = FlightLimits(speed=1.5, acceleration=3.0)
 
 
 @settings(deadline=None, max_examples=40)
-@given(st.integers(0, 10**6), st.sampled_from(["stop", "pass"]))
-@example(87, "pass")
-def test_allocated_times_keep_the_limits_and_waste_little(seed: int, inner_waypoints: str) -> None:
+@given(st.integers(0, 10**6), st.sampled_from(["stop_and_go", "free"]))
+@example(87, "free")
+def test_allocated_times_keep_the_limits_and_waste_little(seed: int, reading: str) -> None:
     generator = np.random.default_rng(seed)
     points = [Waypoint(0.0, tuple(generator.uniform(-2.0, 2.0, 3))) for _ in range(generator.integers(2, 6))]
-    trajectory = minimum_snap(allocate_times("cf1", points, LIMITS, inner_waypoints), inner_waypoints)
+    trajectory = minimum_snap(allocate_times("cf1", points, LIMITS, reading), reading)
     speed, acc = peak_norm(trajectory, 1).value, peak_norm(trajectory, 2).value
     assert speed <= LIMITS.speed * (1.0 + 1e-5)  # the bound's own tolerance
     assert acc <= LIMITS.acceleration * (1.0 + 1e-5)
@@ -45,7 +45,7 @@ def test_allocated_times_keep_the_limits_and_waste_little(seed: int, inner_waypo
 def test_the_peak_is_above_every_sample_and_at_the_largest(seed: int) -> None:
     generator = np.random.default_rng(seed)
     points = tuple(Waypoint(float(t), tuple(generator.normal(size=3))) for t in (0.0, 1.0, 3.0))
-    trajectory = minimum_snap(VehicleWaypoints("cf1", points), "pass")
+    trajectory = minimum_snap(VehicleWaypoints("cf1", points), "free")
     t = np.linspace(0.0, 3.0, 20_001)
     seen = np.linalg.norm(trajectory.at(t, 2)[:, :3], axis=1)
     peak = peak_norm(trajectory, 2)
@@ -66,20 +66,18 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
 
 
 @settings(deadline=None, max_examples=40)
-@given(st.integers(0, 10**6), st.sampled_from(["stop", "pass"]))
-def test_allocated_times_keep_the_yaw_rate(seed: int, inner_waypoints: str) -> None:
+@given(st.integers(0, 10**6), st.sampled_from(["stop_and_go", "free"]))
+def test_allocated_times_keep_the_yaw_rate(seed: int, reading: str) -> None:
     """By samples of the trajectory; a turn on the spot takes 3/2 of the turn over the rate, and a tick."""
     generator = np.random.default_rng(seed)
     places, yaws = generator.choice([0.0, 0.3], (4, 3)), generator.uniform(-9.0, 9.0, 4)
     points = [Waypoint(0.0, tuple(pos), float(yaw)) for pos, yaw in zip(places, yaws, strict=True)]
-    timed = allocate_times("cf1", points, LIMITS, inner_waypoints)
-    trajectory = minimum_snap(timed, inner_waypoints)
+    timed = allocate_times("cf1", points, LIMITS, reading)
+    trajectory = minimum_snap(timed, reading)
     rate = np.abs(trajectory.at(np.linspace(0.0, trajectory.duration, 5001), 1)[:, 3])
     assert rate.max() <= YAW_RATE_MAX * (1.0 + 1e-6)
     assert 1.0 - 1e-12 <= peak_yaw_rate(trajectory).value / rate.max() <= 1.0 + 1e-4
-    spot = allocate_times(
-        "cf1", [replace(points[0], yaw=1.0), replace(points[0], yaw=-2.0)], LIMITS, inner_waypoints
-    )
+    spot = allocate_times("cf1", [replace(points[0], yaw=1.0), replace(points[0], yaw=-2.0)], LIMITS, reading)
     assert spot.times[1] == pytest.approx(1.5 * 3.0 / YAW_RATE_MAX, abs=0.01)
 
 
@@ -111,29 +109,29 @@ def hop(period: float, across: float = 0.0) -> list[VehicleWaypoints]:
 @pytest.mark.parametrize("across", [0.0, 1e-3])
 def test_a_fall_that_controllers_cannot_command_names_vehicle_waypoint_and_bound(across: float) -> None:
     """Moved aside by a millimetre the fall tilts as well; it is the thrust that is named."""
-    height = minimum_snap(hop(1.8)[0], "pass").at(np.array(0.9), 2)[2]
+    height = minimum_snap(hop(1.8)[0], "free").at(np.array(0.9), 2)[2]
     assert height < -GRAVITY
     with pytest.raises(
         ValueError,
         match=r"cf1, after waypoint [01] \(t = 0.90 s\): needs an upward thrust of -0.057 times the weight, "
         r"controllers command at least 0.05; allow more time",
     ):
-        check_feasible(minimum_snap_plan(hop(1.8, across), "pass"), hop(1.8, across), CRAZYFLIE_2_1)
+        check_feasible(minimum_snap_plan(hop(1.8, across), "free"), hop(1.8, across), CRAZYFLIE_2_1)
 
 
 def test_the_fastest_hop_that_is_accepted_leaves_the_least_thrust() -> None:
     """Accelerations grow with 1 / T^2, so the shortest period follows from the one of a hop in 1.8 s."""
-    fall = -minimum_snap(hop(1.8)[0], "pass").at(np.array(0.9), 2)[2]
+    fall = -minimum_snap(hop(1.8)[0], "free").at(np.array(0.9), 2)[2]
     shortest = 1.8 * np.sqrt(fall / ((1.0 - THRUST_LEAST) * GRAVITY))
     slower, faster = hop(shortest * 1.0001), hop(shortest * 0.9999)
-    check_feasible(minimum_snap_plan(slower, "pass"), slower, CRAZYFLIE_2_1)
-    assert plan_peaks(minimum_snap_plan(slower, "pass")).tilt == 0.0
+    check_feasible(minimum_snap_plan(slower, "free"), slower, CRAZYFLIE_2_1)
+    assert plan_peaks(minimum_snap_plan(slower, "free")).tilt == 0.0
     with pytest.raises(ValueError, match=r"upward thrust of 0.05 times the weight"):
-        check_feasible(minimum_snap_plan(faster, "pass"), faster, CRAZYFLIE_2_1)
+        check_feasible(minimum_snap_plan(faster, "free"), faster, CRAZYFLIE_2_1)
 
 
 def test_thrust_that_points_straight_down_is_a_right_angle() -> None:
-    assert peak_tilt(minimum_snap(hop(1.8)[0], "pass")).value == pytest.approx(0.5 * np.pi)
+    assert peak_tilt(minimum_snap(hop(1.8)[0], "free")).value == pytest.approx(0.5 * np.pi)
 
 
 @settings(deadline=None, max_examples=40)
@@ -142,7 +140,7 @@ def test_the_peak_tilt_is_that_of_the_flat_attitude(seed: int, duration: float) 
     """It is above every sample and at the largest; thrust that points down counts as a right angle."""
     generator = np.random.default_rng(seed)
     points = tuple(Waypoint(duration * t, tuple(generator.normal(size=3))) for t in (0.0, 1.0, 3.0))
-    trajectory = minimum_snap(VehicleWaypoints("cf1", points), "pass")
+    trajectory = minimum_snap(VehicleWaypoints("cf1", points), "free")
     acc = trajectory.at(np.linspace(0.0, 3.0 * duration, 20_001), 2)
     flat = flat_state(acc[:, :3], acc[:, 3])
     leans = np.arccos(np.clip(np.cos(flat.roll) * np.cos(flat.pitch), -1.0, 1.0))

@@ -126,7 +126,7 @@ def test_the_free_reading_costs_less_and_is_certified_too() -> None:
             "cf2", (Waypoint(0, (2, 0.1, 1)), Waypoint(5, (-0.4, 0, 1)), Waypoint(9, (-2, 0.1, 1)))
         ),
     ]
-    free, stopping = avoid_zones(through, PAPER, "pass"), avoid_zones(through, PAPER, "stop")
+    free, stopping = avoid_zones(through, PAPER, "free"), avoid_zones(through, PAPER, "stop_and_go")
     assert free.plan.certified
     assert free.cost < stopping.cost
 
@@ -213,10 +213,10 @@ def test_a_zone_too_small_for_the_ways_is_named() -> None:
 @settings(deadline=None, max_examples=15)
 @given(st.integers(0, 10**6))
 def test_cost_is_length_in_the_space_of_deviations(seed: int) -> None:
-    for inner_waypoints in ("stop", "pass"):
-        space = deviation_space(SECTION_4_1[0], inner_waypoints, 4)
+    for reading in ("stop_and_go", "free"):
+        space = deviation_space(SECTION_4_1[0], reading, 4)
         y = np.random.default_rng(seed).normal(size=(space.dimension, 3)) * 0.01
-        base = minimum_snap(SECTION_4_1[0], inner_waypoints)
+        base = minimum_snap(SECTION_4_1[0], reading)
         curve = deform(base, space, y)
         assert snap_cost(curve) - snap_cost(base) == pytest.approx(float((y**2).sum()), rel=1e-6)
         t = np.linspace(0.0, 50.0, 23)
@@ -266,7 +266,7 @@ def test_every_pair_near_the_zone_is_watched_and_no_other(seed: int, samples: in
 
 def test_a_plane_that_is_not_touched_has_no_dual() -> None:
     """Of two planes across the way of a pair, the one 1 cm nearer holds it off and the other is loose."""
-    spaces = [deviation_space(vehicle, "stop", 5) for vehicle in SECTION_4_1]
+    spaces = [deviation_space(vehicle, "stop_and_go", 5) for vehicle in SECTION_4_1]
     samples = sample_swarm([minimum_snap(one) for one in SECTION_4_1], spaces, np.linspace(1.0, 49.0, 49))
     i, j, x = np.array([0, 0]), np.array([1, 1]), np.tile([1.0, 0.0, 0.0], (2, 1))
     rel_x = samples.base[10, 0, 0] - samples.base[10, 1, 0]

@@ -50,7 +50,7 @@ def test_the_hermite_matrix_of_snap_is_the_known_rest_to_rest_polynomial() -> No
 
 
 @given(vehicles())
-def test_every_waypoint_is_passed_at_rest_if_inner_ones_are_stops(vehicle: VehicleWaypoints) -> None:
+def test_stop_and_go_passes_every_waypoint_at_rest(vehicle: VehicleWaypoints) -> None:
     trajectory = minimum_snap(vehicle)
     for waypoint in vehicle.waypoints:
         at = np.asarray(waypoint.t)
@@ -63,7 +63,7 @@ def test_every_waypoint_is_passed_at_rest_if_inner_ones_are_stops(vehicle: Vehic
 
 @given(vehicles())
 def test_the_free_optimum_passes_every_waypoint_and_is_smooth_to_order_six(vehicle: VehicleWaypoints) -> None:
-    trajectory = minimum_snap(vehicle, "pass")
+    trajectory = minimum_snap(vehicle, "free")
     fastest = trajectory.durations.min()
     reached = np.array([trajectory.at(np.asarray(waypoint.t)) for waypoint in vehicle.waypoints])
     assert reached == pytest.approx(vehicle.points, abs=1e-8)
@@ -79,7 +79,7 @@ def test_the_free_optimum_passes_every_waypoint_and_is_smooth_to_order_six(vehic
 
 @given(vehicles(), st.integers(0, 2**32 - 1))
 def test_no_smooth_curve_through_the_same_waypoints_costs_less(vehicle: VehicleWaypoints, seed: int) -> None:
-    best = minimum_snap(vehicle, "pass")
+    best = minimum_snap(vehicle, "free")
     wiggle = np.zeros((len(vehicle.waypoints), 4, 4))
     wiggle[1:-1, :, 1:] = np.random.default_rng(seed).normal(size=(len(vehicle.waypoints) - 2, 4, 3))
     added = pieces_from_nodes(wiggle, best.durations)
@@ -92,7 +92,7 @@ def test_no_smooth_curve_through_the_same_waypoints_costs_less(vehicle: VehicleW
 @settings(max_examples=20)
 @given(vehicles())
 def test_the_exact_cost_agrees_with_a_fine_sum(vehicle: VehicleWaypoints) -> None:
-    trajectory = minimum_snap(vehicle, "pass")
+    trajectory = minimum_snap(vehicle, "free")
     steps = np.concatenate(
         [
             end - span + span * (np.arange(4000) + 0.5) / 4000
@@ -120,8 +120,8 @@ def test_times_too_unequal_for_the_free_reading_name_the_vehicle_and_the_times()
     with pytest.raises(
         ValueError, match=r"cf1: times between waypoints from 0.002 to 367.998 s are too unequal"
     ):
-        minimum_snap(uneven, "pass")
-    minimum_snap(uneven, "stop")
+        minimum_snap(uneven, "free")
+    minimum_snap(uneven, "stop_and_go")
 
 
 def test_cost_is_the_sum_of_those_of_position_and_yaw() -> None:

@@ -273,7 +273,7 @@ HASTY = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 1.9, pos: [0, 0, 3]}]}"
 @pytest.mark.parametrize(
     ("keys", "arguments"),
     [
-        ("inner_waypoints: pass", ["--inner-waypoints", "pass"]),
+        ("reading: free", ["--reading", "free"]),
         ("vehicle: crazyflie_brushless", ["--vehicle", "crazyflie_brushless"]),
     ],
 )
@@ -283,7 +283,7 @@ def test_a_file_that_says_what_flies_it_is_planned_for_that(
     """As with the option, and the option comes first; the file without either is planned otherwise."""
     path, out, plans = tmp_path / "untimed.yaml", tmp_path / "plan.json", []
     fast = ["--speed", "9", "--acceleration", "9"]
-    for text, options in ((keys, []), ("", arguments), ("inner_waypoints: stop", arguments), ("", [])):
+    for text, options in ((keys, []), ("", arguments), ("reading: stop_and_go", arguments), ("", [])):
         path.write_text(f"{text}\n{UNTIMED}")
         assert main([str(path), "--out", str(out), *fast, *options]) == 0
         plans.append(out.read_text())

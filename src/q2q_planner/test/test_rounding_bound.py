@@ -85,7 +85,7 @@ def test_the_bound_grows_with_the_coefficients_and_ordinary_plans_need_none() ->
     across = VehicleWaypoints(
         "cf1", (Waypoint(0, (-2, 0, 1)), Waypoint(6, (2, 1, 1)), Waypoint(9, (0, 0, 2)))
     )
-    assert rounding_bound(minimum_snap_plan([across], "pass").trajectories) < ROUNDING
+    assert rounding_bound(minimum_snap_plan([across], "free").trajectories) < ROUNDING
 
 
 def test_a_jump_between_ends_that_count_as_one_time_is_part_of_the_bound() -> None:

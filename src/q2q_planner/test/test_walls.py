@@ -87,8 +87,8 @@ def test_one_vehicle_alone_is_kept_within_the_walls() -> None:
     corner = [Waypoint(0, (0, 0, 1)), Waypoint(2, (1, 0, 1)), Waypoint(3, (1, 1, 1)), Waypoint(5, (0, 1, 1))]
     alone = (VehicleWaypoints("cf1", tuple(corner)),)
     box = (-0.01, -0.01, 0.5, 1.01, 1.01, 1.5)
-    assert not prove_within(minimum_snap_plan(alone, "pass"), Walls(box[:3], box[3:])).holds
-    found = avoid_zones(alone, ZONE, "pass", AvoidanceParams(within=box))
+    assert not prove_within(minimum_snap_plan(alone, "free"), Walls(box[:3], box[3:])).holds
+    found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
     assert found.wall_proof is not None
     assert found.wall_proof.holds
 
@@ -100,7 +100,7 @@ def test_a_way_that_sweeps_along_several_walls_is_found(slower: float) -> None:
     way = map(Waypoint, slower * np.array([0.0, 4.47, 5.22, 7.54]), places)
     alone = (VehicleWaypoints("cf1", tuple(way)),)
     box = (-2.05, -2.05, 0.45, 2.05, 2.05, 2.05)
-    found = avoid_zones(alone, ZONE, "pass", AvoidanceParams(within=box))
+    found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
     assert (sampled(found.plan) > box[:3]).all()
     assert (sampled(found.plan) < box[3:]).all()
     assert found.cost < plan_cost(minimum_snap_plan(alone))
@@ -112,10 +112,10 @@ def test_a_wall_that_is_crossed_between_samples_only_is_left(end: float) -> None
     points = ((0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 1.0))
     corner = map(Waypoint, (0.0, 2.0, 3.0, end), points)
     alone = (VehicleWaypoints("cf1", tuple(corner)),)
-    free = minimum_snap_plan(alone, "pass")
+    free = minimum_snap_plan(alone, "free")
     box = (-9.0, -9.0, 0.0, sampled(free)[..., 0].max() - 1e-7, 9.0, 9.0)
     assert not prove_within(free, Walls(box[:3], box[3:])).holds
-    found = avoid_zones(alone, ZONE, "pass", AvoidanceParams(within=box))
+    found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
     assert sampled(found.plan)[..., 0].max() < box[3]
     assert found.cost < found.infimum * (1.0 + 1e-5)  # it moves by the margin, 0.2 mm
 
@@ -131,7 +131,7 @@ def test_a_zone_that_is_entered_between_samples_only_names_the_pair(walls: tuple
         VehicleWaypoints(name, tuple(map(Waypoint, (0.0, 4.0, 8.0), rows))) for name, rows in ways.items()
     ]
     with pytest.raises(InfeasibleError, match="cf1 and cf2 cannot be kept apart: "):
-        avoid_zones(swarm, Cylinder(0.1, 1.1), "pass", AvoidanceParams(within=walls))
+        avoid_zones(swarm, Cylinder(0.1, 1.1), "free", AvoidanceParams(within=walls))
 
 
 def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> None:

@@ -95,7 +95,7 @@ def test_a_file_of_bytes_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bytes.yaml"
     path.write_bytes(bytes(range(256)))
     with pytest.raises(ValueError, match=r"bytes\.yaml: is not valid YAML"):
-        read_waypoints(path, LIMITS, "stop")
+        read_waypoints(path, LIMITS, "stop_and_go")
 
 
 Rows = st.recursive(
@@ -139,7 +139,7 @@ def assert_read_or_refused(path: Path) -> None:
     swarm: tuple[VehicleWaypoints, ...] = ()
     message = ""
     try:
-        swarm = read_waypoints(path, LIMITS, "stop")
+        swarm = read_waypoints(path, LIMITS, "stop_and_go")
     except ValueError as refusal:
         message = str(refusal)
     assert swarm or message.startswith(str(path))

@@ -37,8 +37,8 @@ def waypoints(tmp_path: Path) -> Path:
 def plan(waypoints: Path) -> Path:
     """Return the plan through the waypoints, as `plan --no-avoid` writes it."""
     path = waypoints.with_name("mine.json")
-    swarm = read_waypoints(waypoints, FlightLimits(), "stop")
-    plan_file.save(path, minimum_snap_plan(swarm, "stop"))
+    swarm = read_waypoints(waypoints, FlightLimits(), "stop_and_go")
+    plan_file.save(path, minimum_snap_plan(swarm, "stop_and_go"))
     return path
 
 
@@ -53,7 +53,7 @@ def test_waypoints_and_the_plan_through_them_fly_the_same(waypoints: Path, plan:
 
 
 def test_the_points_of_a_plan_are_the_waypoints_it_was_made_of(waypoints: Path, plan: Path) -> None:
-    given = read_waypoints(waypoints, FlightLimits(), "stop")
+    given = read_waypoints(waypoints, FlightLimits(), "stop_and_go")
     for found, made_of in zip(waypoints_of(plan_file.load(plan)), given, strict=True):
         assert found.name == made_of.name
         np.testing.assert_allclose(found.times, made_of.times, rtol=0.0, atol=1e-12)
@@ -66,8 +66,8 @@ def test_a_plan_that_ends_on_the_ground_is_flown(tmp_path: Path) -> None:
     points.write_text(
         "vehicles: {cf1: [{t: 0, pos: [0, 0, 0]}, {t: 3, pos: [0, 0, 1]}, {t: 6, pos: [1, 0, 0]}]}"
     )
-    swarm = read_waypoints(points, FlightLimits(), "stop")
-    plan_file.save(path, minimum_snap_plan(swarm, "stop"))
+    swarm = read_waypoints(points, FlightLimits(), "stop_and_go")
+    plan_file.save(path, minimum_snap_plan(swarm, "stop_and_go"))
     (found,) = library.load(str(path)).waypoints
     assert -1e-12 < found.waypoints[-1].pos[2] < 0.0
 
@@ -76,7 +76,7 @@ def test_waypoints_without_times_get_those_that_plan_gives_them(tmp_path: Path) 
     path = tmp_path / "untimed.yaml"
     path.write_text("vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [1, 0, 1]}, {pos: [1, 1, 2]}]}")
     limits = with_limits_of(FlightLimits(), CRAZYFLIE_2_0)  # as `plan` does
-    (expected,) = read_waypoints(path, limits, "stop")
+    (expected,) = read_waypoints(path, limits, "stop_and_go")
     (found,) = library.load(str(path)).waypoints
     assert found == expected
     assert library.load(str(path)).duration == expected.times[-1] > 0.0

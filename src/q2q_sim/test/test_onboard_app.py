@@ -62,7 +62,7 @@ def worst_under(conditions: AppConditions | None) -> tuple[float, float]:
     room = Room(scenario, seed, find_air("room", ("edge_torque",)))
     apps = conditions and OnboardApps([library_of_app()] * 2, scenario.vehicle, conditions, seed)
     fleet = Fleet(room.swarm, scenario.vehicle, Build(), apps)
-    plan = minimum_snap_plan(scenario.waypoints, scenario.inner_waypoints)
+    plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
     pos, error = np.empty((2, round(scenario.duration / TICK_S), 2, 3))
     for tick in range(len(pos)):
         wanted = setpoint_at(plan, tick * TICK_S)
@@ -101,7 +101,7 @@ def test_a_room_of_crtp_clients_flies_an_exported_app(tmp_path: Path) -> None:
     scenario = scenario_from_document("pass", PASS)
     room = Room(scenario, 0, find_air("measured"))
     fleet = fleet_in(room, scenario, CrtpRoomParams(start="air", app=str(tmp_path)))
-    plan = minimum_snap_plan(scenario.waypoints, scenario.inner_waypoints)
+    plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
     for tick in range(60):
         send(fleet, setpoint_at(plan, tick * TICK_S))
         room.fly(fleet.fly)

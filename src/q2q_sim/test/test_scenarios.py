@@ -78,7 +78,7 @@ def test_the_flights_of_table_2_have_its_distance_speed_and_overlap(
     flight: int, distance: float, speed: float, overlap: float
 ) -> None:
     scenario = library.load(f"table2_{flight}")
-    plan = minimum_snap_plan(scenario.waypoints, scenario.inner_waypoints)
+    plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
     t = np.arange(0.0, scenario.duration, 0.001)
     lower, upper = (trajectory.at(t) for trajectory in plan.trajectories)
     rel = (upper - lower)[:, :3]
@@ -199,7 +199,7 @@ def test_unknown_names_are_refused_with_the_nearest_right_one(name: str, word: s
         ({"in_air": {"vehicle": "boeing"}}, "unknown vehicle 'boeing'; known are"),
         ({"vehicle": "boeing"}, "unknown vehicle 'boeing'; known are"),
         ({"room": "attic"}, "unknown room 'attic'; known are ideal, capture, real, rough"),
-        ({"inner_waypoints": "fast"}, "inner_waypoints = 'fast': one of stop, pass is expected"),
+        ({"reading": "fast"}, "reading = 'fast': one of stop_and_go, free is expected"),
         ({"radio": {"loss": 2.0}}, "RadioParams.loss = 2.0: allowed is 0.0 to 1.0"),
         ({"vicon": {"pos_nois": 0.1}}, "has no parameter 'pos_nois'; did you mean pos_noise"),
         ({"radio": {"loss": "much"}}, "radio.loss = 'much': a number is expected"),

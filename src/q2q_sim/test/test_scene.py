@@ -107,7 +107,7 @@ def test_signals_are_matched_by_name_not_by_row():
 def test_the_plan_is_drawn_whole_and_passes_its_waypoints():
     scenario = library.load("table6")
     builder = SceneBuilder(SceneParams())
-    builder.take_plan(minimum_snap_plan(scenario.waypoints, scenario.inner_waypoints))
+    builder.take_plan(minimum_snap_plan(scenario.waypoints, scenario.reading))
     lines = builder.update(SceneSignals(state(0.0, apart()))).group("plan")
     for line, vehicle in zip(lines, scenario.waypoints, strict=True):
         for waypoint in vehicle.waypoints:
@@ -117,7 +117,7 @@ def test_the_plan_is_drawn_whole_and_passes_its_waypoints():
 
 def test_a_plan_that_lasts_for_ages_is_drawn_with_few_points():
     scenario, builder = library.load("table6"), SceneBuilder(SceneParams())
-    plan = minimum_snap_plan(scenario.waypoints[:1], scenario.inner_waypoints)
+    plan = minimum_snap_plan(scenario.waypoints[:1], scenario.reading)
     (flown,) = plan.trajectories
     ages = replace(flown, durations=1e9 * flown.durations)
     builder.take_plan(replace(plan, trajectories=(ages,)))
@@ -130,7 +130,7 @@ def test_a_new_plan_takes_the_place_of_the_one_before_for_all_vehicles():
     scenario = library.load("table6")
     builder = SceneBuilder(SceneParams())
     for flown in (scenario.waypoints, scenario.waypoints[:1]):
-        builder.take_plan(minimum_snap_plan(flown, scenario.inner_waypoints))
+        builder.take_plan(minimum_snap_plan(flown, scenario.reading))
     (line,) = builder.update(SceneSignals(state(0.0, apart()))).group("plan")
     assert line.row == 0
 

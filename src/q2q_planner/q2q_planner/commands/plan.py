@@ -69,9 +69,9 @@ def parser() -> CommandLine:
     )
     made.add_argument("--warm-start", type=Path, metavar="PLAN", help="start the search from this plan")
     made.add_argument(
-        "--inner-waypoints",
-        choices=("stop", "pass"),
-        help="stop at inner waypoints or pass through, in place of the file's (if it names none: stop)",
+        "--reading",
+        choices=("stop_and_go", "free"),
+        help="reading of eq. (17), in place of the file's (if it names none: stop_and_go)",
     )
     made.add_argument("--csv", type=output_file, help="write setpoints at 100 Hz to this file")
     made.add_argument(

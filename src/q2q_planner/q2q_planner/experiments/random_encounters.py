@@ -58,7 +58,7 @@ def random_encounter(
     shape = SHAPES[generator.integers(len(SHAPES))]
     end, side = generator.uniform(3.0, 5.0), generator.uniform(1.5, 2.0 + 0.2 * n)
     points = _mostly_clear_points(generator, shape, n, side, clear_by)
-    plan = minimum_snap_plan([_waypoints(f"cf{row}", own, end) for row, own in enumerate(points)], "pass")
+    plan = minimum_snap_plan([_waypoints(f"cf{row}", own, end) for row, own in enumerate(points)], "free")
     delay, tick = generator.uniform(0.0, LATEST, (n, n)), float(generator.choice(TICKS))
     loss = float(generator.uniform(0.0, MOST_LOST))
     return Encounter(plan, tick, bool(generator.integers(2)), delay, loss)

@@ -14,7 +14,7 @@ from q2q_planner.tools.waypoint_file import naming_file, read_document, timed_wa
 
 
 def read_swarm(asked: Namespace) -> tuple[Namespace, tuple[VehicleWaypoints, ...]]:
-    """Return the options as flown (a Vehicle, `inner_waypoints` given), and the timed waypoints.
+    """Return the options as flown (`vehicle` is a Vehicle, `reading` is given), and the timed waypoints.
 
     Raises:
         ValueError: naming the file, and the key, or vehicle, waypoint and bound.
@@ -22,11 +22,11 @@ def read_swarm(asked: Namespace) -> tuple[Namespace, tuple[VehicleWaypoints, ...
     document = read_document(asked.waypoints)
     with naming_file(asked.waypoints):
         vehicle = _vehicle_of(asked.vehicle, document)
-    inner_waypoints = asked.inner_waypoints or document.inner_waypoints
-    flown = Namespace(**vars(asked) | {"vehicle": vehicle, "inner_waypoints": inner_waypoints})
+    reading = asked.reading or document.reading
+    flown = Namespace(**vars(asked) | {"vehicle": vehicle, "reading": reading})
     with naming_options():
         limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration, asked.tilt), vehicle)
-    return flown, timed_waypoints(asked.waypoints, document, limits, inner_waypoints)
+    return flown, timed_waypoints(asked.waypoints, document, limits, reading)
 
 
 @contextmanager

@@ -54,10 +54,10 @@ def make_plan(
     """
     params = _params_of(asked)
     if asked.avoid:
-        found = avoid_zones(swarm, zone, asked.inner_waypoints, params, warm)
+        found = avoid_zones(swarm, zone, asked.reading, params, warm)
         proofs = found.certificate, found.wall_proof
         return Planned(found.plan, *proofs, found.cost, found.infimum, _ms_since(before))
-    plan = minimum_snap_plan(swarm, asked.inner_waypoints)
+    plan = minimum_snap_plan(swarm, asked.reading)
     hull = zone_around(zone)
     cost, proof = plan_cost(plan), certify(plan, hull)
     wall_proof = prove_within(plan, params.walls) if params.walls else None
@@ -148,7 +148,7 @@ def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zo
     from q2q_planner.tools import plan_figures  # drawing is slow to import
 
     model = find_model(asked.model or DRAFT).interaction
-    free = minimum_snap_plan(swarm, asked.inner_waypoints)
+    free = minimum_snap_plan(swarm, asked.reading)
     for path in plan_figures.draw_all(asked.figures, made.plan, free, zone, model):
         print(f"  drew {path}")
 

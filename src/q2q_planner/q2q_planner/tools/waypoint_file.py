@@ -6,7 +6,7 @@ from pathlib import Path
 
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoint_document import (
     WaypointDocument,
     checked_document,
@@ -15,15 +15,13 @@ from q2q_planner.offline.minimum_snap.waypoint_document import (
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
 
-def read_waypoints(
-    path: Path, limits: FlightLimits, inner_waypoints: InnerWaypoints
-) -> tuple[VehicleWaypoints, ...]:
+def read_waypoints(path: Path, limits: FlightLimits, reading: Reading) -> tuple[VehicleWaypoints, ...]:
     """Return the waypoints of a file, timed within `limits` if it has no times.
 
     Raises:
         ValueError: naming the file, and vehicle, waypoint and bound or the place in the file.
     """
-    return timed_waypoints(path, read_document(path), limits, inner_waypoints)
+    return timed_waypoints(path, read_document(path), limits, reading)
 
 
 def read_document(path: Path) -> WaypointDocument:
@@ -34,11 +32,11 @@ def read_document(path: Path) -> WaypointDocument:
 
 
 def timed_waypoints(
-    path: Path, document: WaypointDocument, limits: FlightLimits, inner_waypoints: InnerWaypoints
+    path: Path, document: WaypointDocument, limits: FlightLimits, reading: Reading
 ) -> tuple[VehicleWaypoints, ...]:
     """Return the waypoints of a file's document; as `read_waypoints`."""
     with naming_file(path):
-        return timed_swarm(document, limits, inner_waypoints)
+        return timed_swarm(document, limits, reading)
 
 
 @contextmanager

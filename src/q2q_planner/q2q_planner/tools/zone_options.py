@@ -83,7 +83,7 @@ def _zone_by_cut(
 ) -> tuple[Zone, str]:
     file = find_model(asked.model)
     downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
-    made = avoid_downwash(swarm, downwash, asked.inner_waypoints, params, warm)
+    made = avoid_downwash(swarm, downwash, asked.reading, params, warm)
     if made.cut < asked.cut:
         raise ValueError(
             f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"

@@ -111,8 +111,8 @@ def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
     if zone is None and scenario.plan is not None:
         return plan_for(scenario, scenario.plan)
     if zone is None:
-        return minimum_snap_plan(scenario.waypoints, scenario.inner_waypoints)
-    return avoid_zones(scenario.waypoints, zone, scenario.inner_waypoints).plan
+        return minimum_snap_plan(scenario.waypoints, scenario.reading)
+    return avoid_zones(scenario.waypoints, zone, scenario.reading).plan
 
 
 def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
@@ -126,7 +126,7 @@ def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
     if not peak_downwash(known.interaction) > 0.0:
         return plan_of(scenario, known.zone)
     downwash = LearnedDownwash(known.interaction, known.gains or PAPER_LOOP)
-    return avoid_downwash(scenario.waypoints, downwash, scenario.inner_waypoints).found.plan
+    return avoid_downwash(scenario.waypoints, downwash, scenario.reading).found.plan
 
 
 def filter_params(scenario: Scenario) -> MocapFilterParams:

@@ -8,7 +8,7 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.constants import Vehicle
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_sim.air.air_names import check_air
 from q2q_sim.air.wake_laws import wake_by_name
@@ -43,7 +43,7 @@ class Scenario:
     """One for each vehicle."""
     plan: SwarmPlan | None = None
     """Flown unchanged; None to plan through the waypoints."""
-    inner_waypoints: InnerWaypoints = "stop"
+    reading: Reading = "stop_and_go"
     wake: str = "none"
     air: str = ""
     """Air in place of wake and disturbance; empty keeps them."""

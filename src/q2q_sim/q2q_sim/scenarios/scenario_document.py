@@ -13,7 +13,7 @@
     attitude: firmware        # loop on board: paper (section 5.1) or firmware (the emulated stock controller)
     model: paper_law          # of the controllers: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.room_profiles; vicon, radio, imu, disturbance below override
-    inner_waypoints: stop     # stop or pass
+    reading: stop_and_go      # of eq. (17): stop_and_go or free
     vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # without t: times as from `plan`
     plan: mine.json           # in place of vehicles: a plan file, next to this file
     overrides: {pid: {thrust_max: 6.6}}
@@ -30,7 +30,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.plan_playback.plan_waypoints import waypoints_of
@@ -58,7 +58,7 @@ class _Document:
     attitude: AttitudeLoop = "paper"
     model: str = "none"
     room: str = "ideal"
-    inner_waypoints: InnerWaypoints = "stop"
+    reading: Reading = "stop_and_go"
     vehicles: object = None
     plan: Annotated[str, "the path of a plan file"] = ""
     overrides: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
@@ -98,7 +98,7 @@ def scenario_from_document(
         vehicle=vehicle,
         waypoints=waypoints,
         plan=plan,
-        inner_waypoints=given.inner_waypoints,
+        reading=given.reading,
         wake=given.wake,
         air=given.air,
         air_without=given.air_without,
@@ -132,7 +132,7 @@ def _waypoints(
     given: _Document, limits: FlightLimits, plan: SwarmPlan | None
 ) -> tuple[VehicleWaypoints, ...]:
     if plan is None:
-        return swarm_from_document({"vehicles": given.vehicles}, limits, given.inner_waypoints)
+        return swarm_from_document({"vehicles": given.vehicles}, limits, given.reading)
     if given.vehicles is not None:
         raise ValueError("vehicles and plan are both given: a plan names its vehicles; leave one out")
     return waypoints_of(plan)

@@ -13,7 +13,7 @@ from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 EXPLICIT = "real"
 """Room without overrides of blocks."""
-SHARED = ("description", "duration", "wake", "air", "air_without", "attitude", "model", "inner_waypoints")
+SHARED = ("description", "duration", "wake", "air", "air_without", "attitude", "model", "reading")
 PARTS = ("vicon", "radio", "imu", "disturbance", "faults", "overrides")
 """Keys that are fields of a scenario."""
 

@@ -37,7 +37,7 @@ def swarm_scenario(count: int) -> Scenario:
         duration=DURATION,
         vehicle=CRAZYFLIE_2_0,
         waypoints=tuple(_ring_path(index, count) for index in range(count)),
-        inner_waypoints="pass",
+        reading="free",
         wake="paper",
         model="paper_law",
         vicon=IDEAL.vicon,

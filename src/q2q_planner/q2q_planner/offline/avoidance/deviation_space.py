@@ -20,7 +20,7 @@ from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.hermite import end_scales, hermite_matrix, piece_energies, pieces_from_nodes
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_planner.offline.certificate.shared_pieces import split_at
-from q2q_planner.offline.minimum_snap.minimum_snap import POSITION_HALF, InnerWaypoints
+from q2q_planner.offline.minimum_snap.minimum_snap import POSITION_HALF, Reading
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
 
@@ -52,19 +52,17 @@ class DeviationSpace:
         return np.where(((t >= self.knots[0]) & (t <= self.knots[-1]))[:, None], row, 0.0)
 
 
-def deviation_space(
-    vehicle: VehicleWaypoints, inner_waypoints: InnerWaypoints, pieces: int
-) -> DeviationSpace:
+def deviation_space(vehicle: VehicleWaypoints, reading: Reading, pieces: int) -> DeviationSpace:
     """Return the deviations of a vehicle with each stretch between waypoints cut into equal pieces."""
-    return _space(tuple(vehicle.times.tolist()), inner_waypoints, pieces)
+    return _space(tuple(vehicle.times.tolist()), reading, pieces)
 
 
 @lru_cache(maxsize=64)
-def _space(times: tuple[float, ...], inner_waypoints: InnerWaypoints, pieces: int) -> DeviationSpace:
+def _space(times: tuple[float, ...], reading: Reading, pieces: int) -> DeviationSpace:
     """Return the deviations between waypoints at these times [s]; those of a swarm are often the same."""
     inner = [np.linspace(a, b, pieces + 1)[:-1] for a, b in pairwise(times)]
     knots = np.concatenate([*inner, times[-1:]])
-    free = _free(len(knots), pieces, inner_waypoints)
+    free = _free(len(knots), pieces, reading)
     lengths = np.diff(knots)
     scale = np.tile(lengths.mean() ** -np.arange(POSITION_HALF, dtype=float), len(knots))  # conditioning
     energy = _energy(lengths)[np.ix_(free, free)] * scale[free] * scale[free, None]
@@ -83,12 +81,12 @@ def deform(trajectory: Trajectory, space: DeviationSpace, y: Array) -> Trajector
     return Trajectory(whole.durations, coefficients)
 
 
-def _free(knots: int, pieces: int, inner_waypoints: InnerWaypoints) -> Rows:
+def _free(knots: int, pieces: int, reading: Reading) -> Rows:
     """Return which of the 4 x knots nodal data no waypoint fixes."""
     fixed = np.zeros((knots, POSITION_HALF), dtype=np.bool_)
     fixed[::pieces, 0] = True
     fixed[[0, -1]] = True
-    if inner_waypoints == "stop":
+    if reading == "stop_and_go":
         fixed[::pieces] = True
     return np.flatnonzero(~fixed)
 

@@ -29,7 +29,7 @@ from q2q_planner.offline.avoidance.deviation_space import deviation_space
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError, check_apart, check_inside
 from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints, minimum_snap_plan, plan_cost
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, prove_within
 
@@ -53,7 +53,7 @@ class AvoidancePlan:
 def avoid_zones(
     swarm: Sequence[VehicleWaypoints],
     zone: Zone,
-    inner_waypoints: InnerWaypoints = "stop",
+    reading: Reading = "stop_and_go",
     params: AvoidanceParams | None = None,
     warm: SwarmPlan | None = None,
 ) -> AvoidancePlan:
@@ -62,7 +62,7 @@ def avoid_zones(
     Args:
         swarm: the waypoints of each vehicle.
         zone: the zone that every pair keeps out of.
-        inner_waypoints: whether vehicles stop at inner waypoints (`minimum_snap`).
+        reading: whether vehicles stop at inner waypoints (`minimum_snap`).
         params: numbers of the search, and the walls.
         warm: a plan of the same vehicles; the search starts around it and tries nothing else.
 
@@ -72,7 +72,7 @@ def avoid_zones(
     """
     search_params = params or AvoidanceParams()
     hull = zone_around(zone)
-    free = minimum_snap_plan(swarm, inner_waypoints)
+    free = minimum_snap_plan(swarm, reading)
     infimum, proof, walls = plan_cost(free), certify(free, hull), search_params.walls
     wall_proof = prove_within(free, walls) if walls else None
     if proof.holds and (wall_proof is None or wall_proof.holds):
@@ -80,7 +80,7 @@ def avoid_zones(
     check_apart(swarm, hull)
     if walls:
         check_inside(swarm, walls)
-    spaces = tuple(deviation_space(vehicle, inner_waypoints, search_params.pieces) for vehicle in swarm)
+    spaces = tuple(deviation_space(vehicle, reading, search_params.pieces) for vehicle in swarm)
     problem = Problem(free, infimum, spaces, hull, search_params.margin, search_params.steps, walls)
     found = [search(problem, start) for start in _starts(problem, search_params, warm)]
     certified = [attempt for attempt in found if attempt.holds]

@@ -24,7 +24,7 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.attitude_limits import THRUST_LEAST, TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_planner.offline.certificate.branch_and_bound import StretchBounds, least_on_stretches
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints, minimum_snap
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 PEAK_SPEED = 35.0 / 16.0
@@ -126,7 +126,7 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
 
 
 def allocate_times(
-    name: str, points: Sequence[Waypoint], limits: FlightLimits, inner_waypoints: InnerWaypoints = "stop"
+    name: str, points: Sequence[Waypoint], limits: FlightLimits, reading: Reading = "stop_and_go"
 ) -> VehicleWaypoints:
     """Return the waypoints with times that keep the limits; given times are ignored.
 
@@ -138,7 +138,7 @@ def allocate_times(
         still = f"{name}, waypoint {int(spans.argmin()) + 1}: pos and yaw are those of the one before it"
         raise ValueError(f"{still}: leave it out, or give all waypoints a t [s] that says how long it hovers")
     vehicle = _timed(name, points, np.maximum(spans, TIME_STEP))
-    while (slower := _excess(minimum_snap(vehicle, inner_waypoints), limits)) > 1.0 + ROUNDING:
+    while (slower := _excess(minimum_snap(vehicle, reading), limits)) > 1.0 + ROUNDING:
         vehicle = _timed(name, points, slower * np.diff(vehicle.times))
     return vehicle
 

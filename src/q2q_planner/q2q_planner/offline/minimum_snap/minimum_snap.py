@@ -1,13 +1,13 @@
-"""Exact solution of the minimum snap problem (17), with stops at inner waypoints and without.
+"""Exact solution of the minimum snap problem (17), in both readings of its constraints.
 
 min int mu_r ||r^(4)||^2 + mu_psi (psi^(2))^2 dt through the waypoints (Mellinger and Kumar, Minimum snap
 trajectory generation and control for quadrotors, 2011; the paper, eq. 17, k_r = 4, k_psi = 2); as in the
 paper, both weights are 1 (mu_r [s^7/m^2], mu_psi [s^3/rad^2]).
 
-- `stop`: derivatives 1..3 (yaw: 1) are zero at every waypoint. Pieces and axes then decouple, and
+- `stop_and_go`: derivatives 1..3 (yaw: 1) are zero at every waypoint. Pieces and axes then decouple, and
   each is the Hermite piece of `hermite`: closed form. The 4th derivative at a waypoint has no trace under
   a snap cost (an arbitrarily short jerk step changes it at no cost), so p = 1..3 is the infimum of (17).
-- `pass`: rest only at both ends; inner waypoints fix the position. The optimum is the C^6 (yaw: C^2)
+- `free`: rest only at both ends; inner waypoints fix the position. The optimum is the C^6 (yaw: C^2)
   spline; its nodal derivatives solve one banded, positive definite system of bandwidth 2k - 3 per axis.
 
 | symbol | name | meaning [unit] |
@@ -32,25 +32,23 @@ YAW_HALF = 2
 _GROUPS = ((slice(0, 3), POSITION_HALF), (slice(3, 4), YAW_HALF))
 """Columns of a waypoint, and the order of their derivative in the cost."""
 
-InnerWaypoints = Literal["stop", "pass"]
+Reading = Literal["stop_and_go", "free"]
 
 
-def minimum_snap(vehicle: VehicleWaypoints, inner_waypoints: InnerWaypoints = "stop") -> Trajectory:
+def minimum_snap(vehicle: VehicleWaypoints, reading: Reading = "stop_and_go") -> Trajectory:
     """Return the trajectory of minimum cost (17) through a vehicle's waypoints, from its first time on.
 
     Raises:
-        ValueError: with `pass`, its times are too unequal to be solved for.
+        ValueError: read as `free`, its times are too unequal to be solved for.
     """
     durations = np.diff(vehicle.times)
     points = vehicle.points
     try:
-        nodes = [_nodes(points[:, a], durations, half, inner_waypoints) for a, half in _GROUPS]
+        nodes = [_nodes(points[:, a], durations, half, reading) for a, half in _GROUPS]
     except np.linalg.LinAlgError as error:
         spans = f"times between waypoints from {durations.min():g} to {durations.max():g} s"
-        advice = "give more even ones, or inner_waypoints: stop"
-        raise ValueError(
-            f"{vehicle.name}: {spans} are too unequal for inner_waypoints: pass: {advice}"
-        ) from error
+        advice = "give more even ones, or the reading stop_and_go"
+        raise ValueError(f"{vehicle.name}: {spans} are too unequal for the reading free: {advice}") from error
     pos, yaw = (pieces_from_nodes(one, durations) for one in nodes)
     coefficients = np.zeros((len(durations), AXES, 2 * POSITION_HALF))
     coefficients[:, :3] = pos
@@ -58,13 +56,11 @@ def minimum_snap(vehicle: VehicleWaypoints, inner_waypoints: InnerWaypoints = "s
     return Trajectory(durations, coefficients)
 
 
-def minimum_snap_plan(
-    swarm: Sequence[VehicleWaypoints], inner_waypoints: InnerWaypoints = "stop"
-) -> SwarmPlan:
+def minimum_snap_plan(swarm: Sequence[VehicleWaypoints], reading: Reading = "stop_and_go") -> SwarmPlan:
     """Return the plan of minimum cost (17) for each vehicle by itself, without avoidance."""
     check_swarm(swarm)
     names = tuple(vehicle.name for vehicle in swarm)
-    return SwarmPlan(names, tuple(minimum_snap(vehicle, inner_waypoints) for vehicle in swarm))
+    return SwarmPlan(names, tuple(minimum_snap(vehicle, reading) for vehicle in swarm))
 
 
 def snap_cost(trajectory: Trajectory) -> float:
@@ -86,13 +82,13 @@ def _energy(coefficients: Array, durations: Array, derivative: int) -> float:
     return float((squares / durations ** (2 * derivative - 1)).sum())
 
 
-def _nodes(values: Array, durations: Array, half: int, inner_waypoints: InnerWaypoints) -> Array:
-    match inner_waypoints:
-        case "stop":
+def _nodes(values: Array, durations: Array, half: int, reading: Reading) -> Array:
+    match reading:
+        case "stop_and_go":
             nodes = np.zeros((*values.shape, half))
             nodes[..., 0] = values
             return nodes
-        case "pass":
+        case "free":
             return _free_nodes(values, durations, half)
         case unknown:
             assert_never(unknown)

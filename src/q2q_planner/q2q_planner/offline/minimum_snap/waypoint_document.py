@@ -12,7 +12,7 @@ from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint, check_swarm
 
 ROUNDED = 1e-3
@@ -31,8 +31,8 @@ class WaypointDocument:
     """Name in `q2q_model.vehicle.constants`."""
     firmware: str = STOCK
     """Its thrust per PWM, of `q2q_model.vehicle.thrust_map`."""
-    inner_waypoints: InnerWaypoints = "stop"
-    """Whether vehicles stop at inner waypoints or pass through (minimum_snap)."""
+    reading: Reading = "stop_and_go"
+    """Of eq. (17)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,14 +46,14 @@ class _Row:
 
 
 def swarm_from_document(
-    document: object, limits: FlightLimits, inner_waypoints: InnerWaypoints = "stop"
+    document: object, limits: FlightLimits, reading: Reading = "stop_and_go"
 ) -> tuple[VehicleWaypoints, ...]:
     """Return the waypoints of a document, timed within `limits` where a vehicle has no times.
 
     Raises:
         ValueError: naming the vehicle, the waypoint and what is expected there.
     """
-    return timed_swarm(checked_document(document), limits, inner_waypoints)
+    return timed_swarm(checked_document(document), limits, reading)
 
 
 def checked_document(document: object) -> WaypointDocument:
@@ -62,17 +62,15 @@ def checked_document(document: object) -> WaypointDocument:
 
 
 def timed_swarm(
-    document: WaypointDocument, limits: FlightLimits, inner_waypoints: InnerWaypoints
+    document: WaypointDocument, limits: FlightLimits, reading: Reading
 ) -> tuple[VehicleWaypoints, ...]:
     """Return the waypoints of a checked document; as `swarm_from_document`."""
-    swarm = tuple(_vehicle(name, rows, limits, inner_waypoints) for name, rows in document.vehicles.items())
+    swarm = tuple(_vehicle(name, rows, limits, reading) for name, rows in document.vehicles.items())
     check_swarm(swarm)
     return swarm
 
 
-def _vehicle(
-    name: str, rows: tuple[object, ...], limits: FlightLimits, inner_waypoints: InnerWaypoints
-) -> VehicleWaypoints:
+def _vehicle(name: str, rows: tuple[object, ...], limits: FlightLimits, reading: Reading) -> VehicleWaypoints:
     check_vehicle_name(name)
     read = [from_plain(_Row, row, f"{name}, waypoint {index}") for index, row in enumerate(rows)]
     _check_turns(name, read)
@@ -83,7 +81,7 @@ def _vehicle(
     made = VehicleWaypoints(
         name, tuple(Waypoint(t, row.pos, row.yaw) for t, row in zip(times, read, strict=True))
     )
-    return allocate_times(name, made.waypoints, limits, inner_waypoints) if missing else made
+    return allocate_times(name, made.waypoints, limits, reading) if missing else made
 
 
 def _check_turns(name: str, rows: Sequence[_Row]) -> None:

@@ -26,7 +26,7 @@ from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
 from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
-from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints, minimum_snap_plan
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.zones.altitude_response import altitude_rms
 
@@ -87,7 +87,7 @@ class DownwashPlan:
 def avoid_downwash(
     swarm: Sequence[VehicleWaypoints],
     downwash: LearnedDownwash,
-    inner_waypoints: InnerWaypoints = "stop",
+    reading: Reading = "stop_and_go",
     params: AvoidanceParams | None = None,
     warm: SwarmPlan | None = None,
 ) -> DownwashPlan:
@@ -100,7 +100,7 @@ def avoid_downwash(
         InfeasibleError: no plan was found around any zone tried.
         ValueError: the model has no downwash, or the waypoints cannot be flown.
     """
-    before = _predicted(minimum_snap_plan(swarm, inner_waypoints), downwash)
+    before = _predicted(minimum_snap_plan(swarm, reading), downwash)
     strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak_downwash(downwash.model))
     tried: list[DownwashPlan] = []
     refusals: list[InfeasibleError] = []
@@ -108,7 +108,7 @@ def avoid_downwash(
         middle = 0.5 * (strong + faint)
         zone = level_set(downwash.model, float(np.exp(middle)))
         try:
-            found = avoid_zones(swarm, zone, inner_waypoints, params, warm)
+            found = avoid_zones(swarm, zone, reading, params, warm)
         except InfeasibleError as refusal:
             refusals.append(refusal)
             faint = middle  # too large

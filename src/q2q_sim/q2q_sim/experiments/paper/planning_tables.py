@@ -23,8 +23,8 @@ ZONE = Cylinder()
 def planning(folder: Path) -> ExperimentOutcome:
     """Plan with and without the zone, and fly both with the learned loop, the downwash not compensated."""
     scenario = library.load(SCENARIO)
-    safe = avoid_zones(scenario.waypoints, ZONE, scenario.inner_waypoints)
-    again = avoid_zones(scenario.waypoints, ZONE, scenario.inner_waypoints, warm=safe.plan)
+    safe = avoid_zones(scenario.waypoints, ZONE, scenario.reading)
+    again = avoid_zones(scenario.waypoints, ZONE, scenario.reading, warm=safe.plan)
     without = fly(scenario, FlightOptions(mode="ignoring"))
     around = fly(scenario, FlightOptions(mode="ignoring", plan=safe.plan))
     before, after = rms_error(without, without.ref_pos), rms_error(around, around.ref_pos)
