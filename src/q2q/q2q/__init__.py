@@ -34,15 +34,13 @@ from q2q_model.identification.identification import Identification
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_sim.air.air_model import AeroLoad, AirModel, AirSetup, Sources
+from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.scenarios.scenario import Scenario
 
 __all__ = [
-    "AeroLoad",
-    "AirModel",
     "AirSetup",
     "Controller",
     "Flight",
@@ -53,6 +51,7 @@ __all__ = [
     "InteractionModel",
     "Interference",
     "ModelFile",
+    "Push",
     "RunOutcome",
     "Scenario",
     "Sources",
@@ -61,6 +60,7 @@ __all__ = [
     "SwarmSetpoint",
     "SwarmState",
     "VehicleMetrics",
+    "Wake",
     "campaign",
     "fly",
     "identify",

@@ -14,9 +14,9 @@ from q2q_model.downwash.interaction_model import (
 )
 from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.air import checked_air_model
+from q2q_sim.air import checked_wake
 
-LARGEST = float(checked_air_model.LARGEST.acc)
+LARGEST = float(checked_wake.LARGEST.acc)
 """Largest downwash [m/s^2], that of an air."""
 NEEDED = {
     "delay": "finite numbers of 0 s or more are needed",

@@ -17,7 +17,7 @@ from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_sim.air.checked_air_model import CheckedAirModel
+from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
@@ -58,7 +58,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
         replan: online replanner.
         plan: flown in place of the scenario's own path, for the same vehicles and starts; see `q2q.plan`.
         air: air in place of the scenario's wake and disturbance: a name as for `q2q.scenario`, or an object
-            (`q2q.load_air`, or your own q2q.AirModel).
+            (`q2q.load_air`, or your own q2q.Wake).
         seed: of the noise, losses and gusts; 0 or above.
 
     Raises:
@@ -110,8 +110,7 @@ def _in_air(flown: Scenario, air: AirName | FlownAir) -> Scenario:
         return scenario(flown, air=air)
     if isinstance(air, type) or not isinstance(air, FlownAir):
         raise TypeError(
-            f"no air {air!r}: give a name as for q2q.scenario, an air of q2q.load_air, "
-            "or one like q2q.AirModel"
+            f"no air {air!r}: give a name as for q2q.scenario, an air of q2q.load_air, or one like q2q.Wake"
         )
     return in_another_air(flown)
 
@@ -119,7 +118,7 @@ def _in_air(flown: Scenario, air: AirName | FlownAir) -> Scenario:
 def _own_air(air: AirName | FlownAir) -> FlownAir | None:
     if isinstance(air, AirName):
         return None
-    return air if isinstance(air, WakeLaw | RoomAir) else CheckedAirModel(air)
+    return air if isinstance(air, WakeLaw | RoomAir) else CheckedWake(air)
 
 
 def _name_of(controller: str | Controller) -> str:

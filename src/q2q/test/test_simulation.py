@@ -35,17 +35,17 @@ class Still:
         """Remember the number of vehicles."""
         self.none = np.zeros((setup.count, 3))
 
-    def push(self, _: q2q.Sources) -> q2q.AeroLoad:
+    def push(self, _: q2q.Sources) -> q2q.Push:
         """Return no push."""
-        return q2q.AeroLoad(self.none, self.none)
+        return q2q.Push(self.none, self.none)
 
 
 class Upwards(Still):
     """Air that pushes every vehicle upwards by 1 m/s^2."""
 
-    def push(self, _: q2q.Sources) -> q2q.AeroLoad:
+    def push(self, _: q2q.Sources) -> q2q.Push:
         """Return the push."""
-        return q2q.AeroLoad(self.none + np.array([0.0, 0.0, 1.0]), self.none)
+        return q2q.Push(self.none + np.array([0.0, 0.0, 1.0]), self.none)
 
 
 class Motionless:
@@ -108,8 +108,8 @@ def test_an_air_object_of_a_room_flies_as_the_rooms_name():
 
 def test_an_air_that_returns_nonsense_is_refused_before_the_flight():
     class Wrong(Still):
-        def push(self, _: q2q.Sources) -> q2q.AeroLoad:
-            return q2q.AeroLoad(self.none[:1], self.none)
+        def push(self, _: q2q.Sources) -> q2q.Push:
+            return q2q.Push(self.none[:1], self.none)
 
     with pytest.raises(AirError, match="shape"):
         q2q.fly(STACK, air=Wrong())

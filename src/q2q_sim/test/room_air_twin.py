@@ -6,13 +6,13 @@ from scipy.interpolate import RegularGridInterpolator
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.air_model import AeroLoad
 from q2q_sim.air.air_terms import INSIDE
 from q2q_sim.air.room_air import RoomAir
+from q2q_sim.air.wake import Push
 from q2q_sim.air.wake_laws import BLEND
 
 
-def resting_push(air: RoomAir, pos: Array, quat: Array, thrust_ratio: Array) -> AeroLoad:
+def resting_push(air: RoomAir, pos: Array, quat: Array, thrust_ratio: Array) -> Push:
     """Return the mean push on vehicles that have always been where they are; thrust_ratio is T / (m g)."""
     n = len(pos)
     down, up, torque = np.zeros(n), np.zeros(n), np.zeros((n, 3))
@@ -29,7 +29,7 @@ def resting_push(air: RoomAir, pos: Array, quat: Array, thrust_ratio: Array) -> 
             up[j] += air.jet.upper_ratio * strength * push
             torque[i] += _edge(air, dz, away, strength)
     eta = up - down
-    return AeroLoad(np.column_stack([np.zeros((n, 2)), eta]), rotate_inverse(quat, torque))
+    return Push(np.column_stack([np.zeros((n, 2)), eta]), rotate_inverse(quat, torque))
 
 
 def _slope(quat: Array) -> Array:

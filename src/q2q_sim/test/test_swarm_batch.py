@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.air_model import AeroLoad, AirSetup, Sources
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
+from q2q_sim.air.wake import AirSetup, Push, Sources
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import Swarm
@@ -77,9 +77,9 @@ class Upwards:
         """Remember the number of vehicles."""
         self.push_all = np.tile([0.0, 0.0, 5.0], (setup.count, 1))
 
-    def push(self, _: Sources) -> AeroLoad:
+    def push(self, _: Sources) -> Push:
         """Push all upwards."""
-        return AeroLoad(self.push_all, 0.0 * self.push_all)
+        return Push(self.push_all, 0.0 * self.push_all)
 
 
 @pytest.mark.parametrize("air", ["room", 1, Upwards()])

@@ -6,14 +6,14 @@ from pathlib import Path
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
-from q2q_sim.air.air_model import AirModel, AirSetup
 from q2q_sim.air.air_names import LAWS, OWN, SYNTHETIC, AirError, air_path, error_line, is_recorded
-from q2q_sim.air.checked_air_model import CheckedAirModel
+from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.synthetic_airs import synthetic_air
+from q2q_sim.air.wake import AirSetup, Wake
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 
-FlownAir = WakeLaw | RoomAir | AirModel
+FlownAir = WakeLaw | RoomAir | Wake
 """Air that vehicles can fly in."""
 TRIAL = AirSetup(vehicle=CRAZYFLIE_2_0, count=3, step=0.002, seed=0)
 """Flight for which a class is tried before the real one."""
@@ -36,7 +36,7 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
     return without_terms(synthetic_air(name) if name in SYNTHETIC else load(air_path(name)), off)
 
 
-def _own(name: str) -> AirModel:
+def _own(name: str) -> Wake:
     module, _, wanted = name.partition(":")
     try:
         found = getattr(_imported(module), wanted, None)
@@ -48,11 +48,11 @@ def _own(name: str) -> AirModel:
         made = found()
     except (Exception, SystemExit) as error:
         raise AirError(f"air {name}: {wanted}() raised {error_line(error)}") from error
-    if not isinstance(made, AirModel):
+    if not isinstance(made, Wake):
         raise AirError(f"air {name}: the class needs methods reset(setup) and push(now)")
-    air = CheckedAirModel(made)
-    air.reset(TRIAL)
-    return air
+    wake = CheckedWake(made)
+    wake.reset(TRIAL)
+    return wake
 
 
 def _imported(module: str) -> object:

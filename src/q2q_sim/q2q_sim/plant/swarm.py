@@ -12,16 +12,16 @@ from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, Axi
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array, Names, Rows, SwarmState, Three, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_sim.air.air_model import AirSetup
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
+from q2q_sim.air.wake import AirSetup
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import ETA_X, ETA_Y, ETA_Z, POS, QUAT, RATE, VEL, state_at_rest
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.push.state_history_ring import remember
-from q2q_sim.plant.push.uncompiled_air import UncompiledAir
+from q2q_sim.plant.push.uncompiled_wake import UncompiledWake
 from q2q_sim.plant.push.wake_law_push import wake_law_push
 from q2q_sim.plant.room_vehicle import body_of_room, vehicle_of_room
 from q2q_sim.plant.swarm_air import Air, air_push, still_air
@@ -95,7 +95,7 @@ class Swarm:
         self._block = -1
         self._processes = UnitProcesses(air, len(names), step, seed) if isinstance(air, RoomAir) else None
         setup = AirSetup(vehicle, len(names), step, seed)
-        self._uncompiled = None if isinstance(air, WakeLaw | RoomAir) else UncompiledAir(air, setup)
+        self._uncompiled = None if isinstance(air, WakeLaw | RoomAir) else UncompiledWake(air, setup)
         self._age = np.zeros(len(names))  # all states share these two
         self._tracked = np.full(len(names), int(TrackStatus.TRACKED), dtype=np.uint8)
         self._age.flags.writeable = self._tracked.flags.writeable = False

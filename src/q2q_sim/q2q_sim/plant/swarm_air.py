@@ -1,7 +1,7 @@
 """Air around a swarm, and its push on every vehicle in a compiled step.
 
 The air is a wake law (push/wake_law_push.py), that of a room (push/room_air_push.py), or a class outside the
-loop (push/uncompiled_air.py), asked between single steps. Both loops over pairs sort the vehicles by x.
+loop (push/uncompiled_wake.py), asked between single steps. Both loops over pairs sort the vehicles by x.
 States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash; between slots they
 are interpolated.
 """
@@ -25,7 +25,7 @@ from q2q_sim.plant.push.state_history_ring import LAW_WIDTH, ROOM_WIDTH, empty_r
 from q2q_sim.plant.push.wake_law_push import wake_law_push
 
 ROOM, UNCOMPILED = 3, 4
-"""Kinds of air besides those of WakeLaw: a RoomAir, and an AirModel outside the compiled loop."""
+"""Kinds of air besides those of WakeLaw: a RoomAir, and a Wake outside the compiled loop."""
 
 
 class Air(NamedTuple):

@@ -1,4 +1,4 @@
-"""Tests of flights in an air model of a user's class: when it is called, its inputs, and refused answers."""
+"""Tests of flights in a wake of a user's class: when it is called, its inputs, and refused answers."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,100 +7,100 @@ import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.air_model import AeroLoad, AirSetup, Sources
 from q2q_sim.air.air_names import AirError
-from q2q_sim.air.checked_air_model import CheckedAirModel
+from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.find_air import find_air
+from q2q_sim.air.wake import AirSetup, Push, Sources
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.plant.body.state_row import POS, VEL
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 
-HERE = "test_uncompiled_air"
+HERE = "test_uncompiled_wake"
 
 
 class SideWind:
-    """Constant push, which remembers its inputs."""
+    """Constant push, which remembers what it was told."""
 
     def reset(self, setup: AirSetup) -> None:
-        """Forget the inputs."""
+        """Forget what it was told."""
         self.setup = setup
         self.seen: list[Sources] = []
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
         self.seen.append(now)
         n = self.setup.count
-        return AeroLoad(np.tile([0.5, 0.0, -0.2], (n, 1)), np.zeros((n, 3)))
+        return Push(np.tile([0.5, 0.0, -0.2], (n, 1)), np.zeros((n, 3)))
 
 
 class NotANumber(SideWind):
-    """Air model that fails in flight."""
+    """Wake that fails in flight."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
         found = super().push(now)
-        return found if now.t < 0.1 else AeroLoad(found.acc * np.nan, found.torque)
+        return found if now.t < 0.1 else Push(found.acc * np.nan, found.torque)
 
 
 class AtOnce(SideWind):
-    """Air model that never gives a number."""
+    """Wake that never gives a number."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad(super().push(now).acc * np.nan, np.zeros((len(now.pos), 3)))
+        return Push(super().push(now).acc * np.nan, np.zeros((len(now.pos), 3)))
 
 
 class Hurricane(SideWind):
-    """Air model whose push is a number, but none of an air."""
+    """Wake whose push is a number, but none of an air."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad(np.full((len(now.pos), 3), 1e300), np.zeros((len(now.pos), 3)))
+        return Push(np.full((len(now.pos), 3), 1e300), np.zeros((len(now.pos), 3)))
 
 
 class Twister(SideWind):
-    """Air model whose torque is none of an air."""
+    """Wake whose torque is none of an air."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad(np.zeros((len(now.pos), 3)), np.full((len(now.pos), 3), -2.0))
+        return Push(np.zeros((len(now.pos), 3)), np.full((len(now.pos), 3), -2.0))
 
 
 class WrongShape(SideWind):
-    """Air model without rows."""
+    """Wake without rows."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad(np.zeros(3), np.zeros((len(now.pos), 3)))
+        return Push(np.zeros(3), np.zeros((len(now.pos), 3)))
 
 
 class Ragged(SideWind):
-    """Air model with rows of unequal length."""
+    """Wake with rows of unequal length."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad([[0.0], [0.0, 0.0]], now.pos)  # type: ignore[arg-type]
+        return Push([[0.0], [0.0, 0.0]], now.pos)  # type: ignore[arg-type]
 
 
 class Words(SideWind):
-    """Air model of another kind of array."""
+    """Wake of another kind of array."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad(now.pos.astype(str), now.pos)
+        return Push(now.pos.astype(str), now.pos)
 
 
 class Chatty(SideWind):
-    """Air model whose error has many lines, as numba's have."""
+    """Wake whose error has many lines, as numba's have."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
         raise TypeError("Failed in nopython mode\n\nCannot determine type\n" + str(now))
 
 
 class Quits(SideWind):
-    """Air model that ends the program."""
+    """Wake that ends the program."""
 
     def reset(self, setup: AirSetup) -> None:
         """End the program."""
@@ -108,32 +108,32 @@ class Quits(SideWind):
 
 
 class Fails(SideWind):
-    """Air model with a mistake in it."""
+    """Wake with a mistake in it."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
-        return AeroLoad(now.pos[99:100], now.pos[[99]])
+        return Push(now.pos[99:100], now.pos[[99]])
 
 
 class NoReset:
-    """Class that is no air model."""
+    """Class that is no wake."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
         raise AssertionError(now)
 
 
 class Bare(SideWind):
-    """Air model that returns no AeroLoad."""
+    """Wake that returns no Push."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return a push."""
         return now.pos  # type: ignore[return-value]
 
 
-def _swarm(air: SideWind) -> Swarm:
+def _swarm(wake: SideWind) -> Swarm:
     start = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.5, 0.0]])
-    return Swarm(("cf1", "cf2"), CRAZYFLIE_2_0, start, air)
+    return Swarm(("cf1", "cf2"), CRAZYFLIE_2_0, start, wake)
 
 
 def _hover(swarm: Swarm, steps: int) -> None:
@@ -141,16 +141,16 @@ def _hover(swarm: Swarm, steps: int) -> None:
     swarm.step(np.tile([CRAZYFLIE_2_0.hover_thrust, 0.0, 0.0, 0.0], (steps, 2, 1)), drive)
 
 
-def test_an_air_model_is_asked_once_a_step_with_the_state_before_it() -> None:
-    air = SideWind()
-    swarm = _swarm(air)
+def test_a_wake_is_asked_once_a_step_with_the_state_before_it() -> None:
+    wake = SideWind()
+    swarm = _swarm(wake)
     swarm.downwash()
     _hover(swarm, 5)
     swarm.downwash()
-    np.testing.assert_allclose([now.t for now in air.seen], 0.002 * np.arange(6), atol=1e-15)
-    np.testing.assert_array_equal(air.seen[0].pos, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
-    np.testing.assert_array_equal(air.seen[5].vel, swarm.state[:, VEL])
-    np.testing.assert_allclose(air.seen[0].thrust, CRAZYFLIE_2_0.hover_thrust)
+    np.testing.assert_allclose([now.t for now in wake.seen], 0.002 * np.arange(6), atol=1e-15)
+    np.testing.assert_array_equal(wake.seen[0].pos, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    np.testing.assert_array_equal(wake.seen[5].vel, swarm.state[:, VEL])
+    np.testing.assert_allclose(wake.seen[0].thrust, CRAZYFLIE_2_0.hover_thrust)
     # under a constant push the vehicle moves by a t^2 / 2
     moved = swarm.state[0, POS] - [0.0, 0.0, 1.0]
     np.testing.assert_allclose(moved, 0.5 * 0.01**2 * np.array([0.5, 0.0, -0.2]), rtol=1e-9, atol=1e-15)
@@ -162,11 +162,11 @@ def test_a_flight_records_the_whole_push_of_a_named_class() -> None:
     np.testing.assert_array_equal(flight.true_eta, np.broadcast_to([0.5, 0.0, -0.2], flight.true_eta.shape))
 
 
-def test_the_air_model_of_the_documentation_flies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_wake_of_the_documentation_flies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (Path(__file__).parents[3] / "docs" / "airs.md").read_text(encoding="utf-8")
-    (tmp_path / "my_air.py").write_text(page.split("```python\n")[1].split("```")[0])
+    (tmp_path / "my_wake.py").write_text(page.split("```python\n")[1].split("```")[0])
     monkeypatch.chdir(tmp_path)
-    scenario = replace(library.load("table6"), duration=0.1, air="my_air:MyAir")
+    scenario = replace(library.load("table6"), duration=0.1, air="my_wake:MyWake")
     flight = fly(scenario, FlightOptions(mode="ignoring"))
     np.testing.assert_allclose(flight.true_eta[..., 0], 0.02 * flight.true_pos[..., 2], rtol=1e-12)
 
@@ -174,9 +174,9 @@ def test_the_air_model_of_the_documentation_flies(tmp_path: Path, monkeypatch: p
 def test_a_class_in_a_folder_with_a_space_flies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "my airs"
     folder.mkdir()
-    (folder / "spaced_air.py").write_text(Path(__file__).read_text().split("class NotANumber")[0])
+    (folder / "spaced_wake.py").write_text(Path(__file__).read_text().split("class NotANumber")[0])
     monkeypatch.chdir(folder)
-    scenario = replace(library.load("table6"), duration=0.1, air="spaced_air:SideWind")
+    scenario = replace(library.load("table6"), duration=0.1, air="spaced_wake:SideWind")
     flight = fly(scenario, FlightOptions(mode="ignoring"))
     np.testing.assert_array_equal(flight.true_eta[..., 0], 0.5)
 
@@ -209,7 +209,7 @@ def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
         (f"{HERE}:Chatty", r":Chatty: push raised TypeError: Failed in nopython mode$"),
         (f"{HERE}:Quits", r":Quits: reset raised SystemExit: 0$"),
         (f"{HERE}:NoReset", r":NoReset: the class needs methods reset\(setup\) and push\(now\)"),
-        (f"{HERE}:Bare", r":Bare: push returned a ndarray: return an AeroLoad"),
+        (f"{HERE}:Bare", r":Bare: push returned a ndarray: return a Push"),
         (f"{HERE}:Missing", "has no class Missing"),
         ("no_such_module:Wind", r"no_such_module cannot be imported \(ModuleNotFoundError"),
     ],
@@ -220,7 +220,7 @@ def test_a_class_that_cannot_be_flown_in_is_refused_before_the_flight(name: str,
     assert "\n" not in str(said.value)
 
 
-def test_an_air_model_is_tried_and_then_reset() -> None:
-    air = SideWind()
-    CheckedAirModel(air).reset(AirSetup(CRAZYFLIE_2_0, 2, 0.002, 0))
-    assert air.seen == []
+def test_a_wake_is_tried_and_then_reset() -> None:
+    wake = SideWind()
+    CheckedWake(wake).reset(AirSetup(CRAZYFLIE_2_0, 2, 0.002, 0))
+    assert wake.seen == []

@@ -1,48 +1,48 @@
-"""Air model given by a user's class, with every output checked."""
+"""Wake given by a user's class, with every answer checked."""
 
 import numpy as np
 
 from q2q_model.signals.checked_array import checked_array
 from q2q_model.signals.values import Array
-from q2q_sim.air.air_model import AeroLoad, AirModel, AirSetup, Sources
 from q2q_sim.air.air_names import AirError, error_line
+from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 
-LARGEST = AeroLoad(np.array(1e3), np.array(1.0))
+LARGEST = Push(np.array(1e3), np.array(1.0))
 """Largest acceleration [m/s^2], a hundred g, and torque [N m], hundreds of times that of a wake's edge."""
 
 
-class CheckedAirModel:
-    """Air model that raises AirError where its class fails or returns a load that cannot be flown in."""
+class CheckedWake:
+    """Wake that raises AirError where its class fails or answers with something that cannot be flown in."""
 
-    def __init__(self, air: AirModel) -> None:
-        """Take an air model before its first reset."""
-        self._air = air
-        self._name = f"{type(air).__module__}:{type(air).__qualname__}"
+    def __init__(self, wake: Wake) -> None:
+        """Take a wake before its first reset."""
+        self._wake = wake
+        self._name = f"{type(wake).__module__}:{type(wake).__qualname__}"
         self._count = 0
 
     def reset(self, setup: AirSetup) -> None:
-        """Reset the air model, once more after a trial with vehicles that hover above each other."""
+        """Reset the wake, once more after a trial with vehicles that hover above each other."""
         self._count = setup.count
         self._reset(setup)
         self.push(_stack(setup))
         self._reset(setup)
 
-    def push(self, now: Sources) -> AeroLoad:
-        """Return the push of the air model."""
+    def push(self, now: Sources) -> Push:
+        """Return the wake's push."""
         try:
-            push = self._air.push(now)
+            push = self._wake.push(now)
         except (Exception, SystemExit) as error:
             raise self._failed("push", error) from error
-        if not isinstance(push, AeroLoad):
-            raise AirError(f"air {self._name}: push returned a {type(push).__name__}: return an AeroLoad")
+        if not isinstance(push, Push):
+            raise AirError(f"air {self._name}: push returned a {type(push).__name__}: return a Push")
         limits = LARGEST._asdict()
-        return AeroLoad(
+        return Push(
             *(self._within(what, part, float(limits[what]), now.t) for what, part in push._asdict().items())
         )
 
     def _reset(self, setup: AirSetup) -> None:
         try:
-            self._air.reset(setup)
+            self._wake.reset(setup)
         except (Exception, SystemExit) as error:
             raise self._failed("reset", error) from error
 

@@ -1,8 +1,8 @@
-"""Protocol of an air model: what a simulated vehicle feels from the others, the ground and the wind.
+"""Protocol of an air: what a simulated vehicle feels from the others, the ground and the wind.
 
 A scenario, `fly --air`, the campaign and the simulator node accept a shipped name, a `.air` file or
 `module:Class`. The class is made without arguments; its `reset` is called before a flight and its `push` at
-each physics step (2 ms), so a model that needs the past keeps it. Arrays that it receives never change later.
+each physics step (2 ms), so a wake that needs the past keeps it. Arrays that it receives never change later.
 """
 
 from dataclasses import dataclass
@@ -27,8 +27,8 @@ class Sources(NamedTuple):
     """Collective thrust [N], (n,)."""
 
 
-class AeroLoad(NamedTuple):
-    """Aerodynamic load on each vehicle, beside its thrust: force per mass, and torque."""
+class Push(NamedTuple):
+    """Effect of the air on each vehicle."""
 
     acc: Array
     """Acceleration [m/s^2], world, (n, 3)."""
@@ -38,7 +38,7 @@ class AeroLoad(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class AirSetup:
-    """Facts that an air model may need before a flight."""
+    """Facts that a wake may need before a flight."""
 
     vehicle: Vehicle
     count: int
@@ -46,15 +46,15 @@ class AirSetup:
     step: float
     """Physics step [s]."""
     seed: int
-    """Seed of the flight; an air model that draws uses q2q_sim.random_streams."""
+    """Seed of the flight; a wake that draws uses q2q_sim.random_streams."""
 
 
 @runtime_checkable
-class AirModel(Protocol):
-    """Model of the air in which vehicles fly."""
+class Wake(Protocol):
+    """Air of a flight."""
 
     def reset(self, setup: AirSetup) -> None:
         """Forget the past and prepare a flight."""
 
-    def push(self, now: Sources) -> AeroLoad:
+    def push(self, now: Sources) -> Push:
         """Return what every vehicle feels now, and advance the memory by one physics step."""
