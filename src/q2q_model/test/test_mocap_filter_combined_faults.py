@@ -104,3 +104,15 @@ def test_a_vehicle_seen_once_is_not_where_its_label_is_at_another_that_is_missin
         assert state.status[1] != TRACKED
     state = block.update(frame(100 + length, truth(0)))
     assert state.status[0] == TRACKED
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_outliers_in_every_third_frame_from_the_start_are_rejected(first: int) -> None:
+    block, off = MocapFilter(MocapFilterParams(), PAIR), np.array([[2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    for tick in range(60):
+        wrong = tick % 3 == first
+        state = block.update(frame(tick, truth(tick) + off * wrong))
+        if tick > first + 3:
+            np.testing.assert_allclose(state.pos, truth(tick), atol=5e-3)
+            assert (state.status[0] == TRACKED) != wrong
+    assert block.report.refused == 19

@@ -76,6 +76,7 @@ def accept(
             tracks.since[i] = t
         if assigned.began[i] or assigned.jumped[i]:
             tracks.own[i], tracks.confirmed[i] = 0 if refuted else 1, assigned.jumped[i]
+            tracks.refuted[i] = refuted
         else:
             tracks.state[i], tracks.cov[i] = better.state[i], better.cov[i]
             if source == i:

@@ -5,9 +5,9 @@ position_gates, all of q2q_model.estimation.position. Data association of a samp
 in this order:
 
 1. A track's first sample is accepted but not trusted. If the next one fails the gates, the track restarts
-   there, and is not trusted until two more pass. It does not restart if that sample fits the first one of
-   another vehicle whose next one fails, too. Names are then exchanged in one of the two frames; those that
-   last for as long as a vehicle may coast are right.
+   there, and is not trusted until two more pass. It does not restart once the first of these has, nor if that
+   sample fits the first one of another vehicle whose next one fails, too. Names are then exchanged in one of
+   the two frames; those that last for as long as a vehicle may coast are right.
 2. The sample may belong to another vehicle (label_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
@@ -190,11 +190,13 @@ class PositionTracks:
     def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
         """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,).
 
-        Not where rejected samples gather already, since one more might be an outlier, nor where they fit a
-        track without an own sample, whose they may be.
+        Not where rejected samples gather already, or one that refuted another has been followed by one that
+        fits it, since one more might be an outlier, nor where they fit a track without an own sample, whose
+        they may be.
         """
         tracks = self._tracks
-        fails = present & tracks.seen & ~at.own & ~tracks.confirmed
+        supported = tracks.confirmed | (tracks.refuted & (tracks.own > 0))
+        fails = present & tracks.seen & ~at.own & ~supported
         if not fails.any():
             return fails
         fits = np.linalg.norm(at.samples[:, None] - at.state[None, :, 0], axis=2) <= at.reach

@@ -35,6 +35,8 @@ class TrackColumns(NamedTuple):
     """(n,)"""
     confirmed: Mask
     """Tracks in which a second sample has passed the gates, a third if one was refuted, (n,)."""
+    refuted: Mask
+    """Tracks whose first sample was refuted by the next one, (n,)."""
     time: Array
     """Time of the last accepted sample [s], (n,)."""
     since: Array
@@ -55,6 +57,7 @@ TRACK = np.dtype(
     [
         ("seen", np.bool_),
         ("confirmed", np.bool_),
+        ("refuted", np.bool_),
         ("time", np.float64),
         ("since", np.float64),
         ("varied", np.int64),
@@ -75,6 +78,7 @@ def columns_of(table: Table) -> TrackColumns:
     return TrackColumns(
         table["seen"],
         table["confirmed"],
+        table["refuted"],
         table["time"],
         table["since"],
         table["varied"],
