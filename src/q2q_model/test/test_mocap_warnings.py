@@ -87,7 +87,7 @@ def test_a_filter_knows_whose_quaternions_are_none(quat: list[float]) -> None:
         assert block.warnings == FrameWarnings(not_unit=("cf1",))
     markers = np.array([[np.nan] * 4, [0.0, 0.0, 0.0, 1.0]])  # of single markers, which have none
     block.update(replace(frame, t=1.0, pos=PLACES, quat=markers))
-    assert block.warnings == NOTHING
+    assert block.warnings == FrameWarnings(rejected=PAIR)  # lost for 0.5 s, found once these have lasted
 
 
 @pytest.mark.parametrize("ticks", [50, 600])  # rejected, and accepted after 4 s
@@ -100,3 +100,30 @@ def test_a_filter_knows_who_is_upside_down_by_its_quaternion(ticks: int, before:
             quat[0] = quat[0, [3, 0, 1, 2]]
         block.update(MocapFrame(k * DT, PAIR, PLACES + noise.normal(0.0, 3e-4, (2, 3)), quat))
         assert block.warnings == (FrameWarnings(upside_down=("cf1",)) if k >= before else NOTHING)
+
+
+@pytest.mark.parametrize(("noise", "reported"), [(0.005, False), (0.02, True), (0.03, True)])
+def test_samples_that_are_too_noisy_for_the_gates_are_reported(noise: float, reported: bool) -> None:
+    block, warnings, rng = MocapFilter(MocapFilterParams(), PAIR), MocapWarnings(), np.random.default_rng(0)
+    lines = []
+    for k in range(1000):
+        found = seen_by(block, k, PLACES + rng.normal(0.0, noise, (2, 3)))
+        lines.append(warnings.update(k * DT, found))
+    assert any("many samples are rejected: cf1, cf2" in line for line in lines) == reported
+    assert any(lines) == reported
+
+
+def test_samples_rejected_now_and_then_or_after_a_gap_are_not_reported_and_many_are_until_they_are_few() -> (
+    None
+):
+    rejected = FrameWarnings(rejected=("cf1",))
+    seldom = MocapWarnings()
+    assert not any(seldom.update(k * DT, NOTHING if k % 5 else rejected) for k in range(1000))
+    assert not any(seldom.update(100.0 + k * DT, NOTHING if k % 5 else rejected) for k in range(1000))
+    often = MocapWarnings()
+    lines = [(k * DT, often.update(k * DT, rejected if k < 500 else NOTHING)) for k in range(1000)]
+    (begin, first), (end, last) = [one for one in lines if one[1]]
+    assert "many" in first
+    assert "again" in last
+    assert begin == pytest.approx(2.0 * np.log(1.0 / 0.75) + LASTING, abs=0.03)  # 1 - exp(-t / 2 s) > 0.25
+    assert end == pytest.approx(5.0 + 2.0 * np.log(0.918 / 0.125), abs=0.03)

@@ -21,6 +21,8 @@ class FrameWarnings(NamedTuple):
     """Their quaternions say that they are upside down."""
     missing: Names = ()
     """They have no position."""
+    rejected: Names = ()
+    """Their positions fail the gates on jumps."""
 
 
 @dataclass(frozen=True, slots=True)

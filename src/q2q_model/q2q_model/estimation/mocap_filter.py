@@ -179,8 +179,9 @@ class MocapFilter:
     def _gapped(self, t: float, poses: Array, tracked: TrackUpdate) -> SwarmState:
         """Return the state of a tick that is not nominal, after its positions and attitudes were taken."""
         faults = pose_faults(poses, self._params.pos_max)
-        self._wrong = tracked.borrowed, tracked.frozen, *faults
-        self._count(~faults.missing, tracked)
+        unused = self._count(~faults.missing, tracked)
+        rejected = unused & ~(faults.outside | tracked.frozen)
+        self._wrong = tracked.borrowed, tracked.frozen, *faults, rejected
         age, status = self._age_and_status(t, tracked)
         vel = np.where(np.isinf(age)[:, None], 0.0, tracked.vel)
         return SwarmState(
@@ -228,10 +229,11 @@ class MocapFilter:
         counts["unknown_names"] += self._rows.unknown
         counts["samples"] += len(self._names)
 
-    def _count(self, present: Mask, tracked: TrackUpdate) -> None:
+    def _count(self, present: Mask, tracked: TrackUpdate) -> Mask:
+        """Count what was done with a tick's samples; return those that no track accepted, (n,)."""
         self._count_nominal()
         if tracked.nominal:
-            return
+            return np.zeros(len(present), dtype=np.bool_)
         counts, used = self._counts, np.zeros(len(present), dtype=np.bool_)
         used[tracked.source[tracked.accepted]] = True
         counts["samples"] += int(present.sum()) - len(present)
@@ -239,3 +241,4 @@ class MocapFilter:
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())
         counts["not_finite"] += int((self._rows.tracks >= 0).sum() - present.sum())
+        return present & ~used

@@ -5,6 +5,7 @@ the markers.
 """
 
 from q2q_model.estimation.filter_report import FrameWarnings
+from q2q_model.estimation.rejected_shares import RejectedShares
 
 LASTING = 0.35
 """Time after which it is warned of [s]: rooms exchange names, and repeat frames, for less."""
@@ -12,6 +13,7 @@ LASTING = 0.35
 _WORDS = {
     "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
     "frozen": "poses that repeat are rejected: {}; does the server see them?",
+    "rejected": "many samples are rejected: {}; are jump_max and position_noise too small?",
     "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
     "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",
     "upside_down": "upside down by their quaternions: {}; are these x, y, z, w, and markers as defined?",
@@ -25,13 +27,16 @@ class MocapWarnings:
     def __init__(self) -> None:
         self.text = ""
         """Lasting faults of the last frame; empty if there are none."""
+        self._rejected = RejectedShares()
         self._since: dict[tuple[str, str], float] = {}  # kind and vehicle: stamp of the first such frame [s]
 
     def update(self, t: float, wrong: FrameWarnings) -> str:
         """Return what to log of a frame at t [s]; empty if nothing has changed."""
-        if not (any(wrong) or self._since):
+        many = self._rejected.update(t, wrong.rejected)
+        if not (any(wrong) or many or self._since):
             return ""
-        now = {(kind, name) for kind, names in wrong._asdict().items() for name in names}
+        kinds = {**wrong._asdict(), "rejected": many}
+        now = {(kind, name) for kind, names in kinds.items() for name in names}
         kept = {one: since for one, since in self._since.items() if since <= t}  # the clock may be set back
         self._since = {one: kept.get(one, t) for one in sorted(now)}
         before, self.text = self.text, self._lasting(t)
