@@ -14,6 +14,15 @@ def test_a_second_without_a_tick_is_stale() -> None:
     assert health_report(Health(ticks=5), Health(ticks=5)).level == Level.STALE
 
 
+def test_a_node_that_never_received_an_input_reports_which_without_a_line_in_the_log() -> None:
+    graded = health_report(Health(), Health(awaited="mocap not received"))
+    assert (graded.level, graded.summary, graded.trouble) == (
+        Level.STALE,
+        "no tick: mocap not received",
+        False,
+    )
+
+
 def test_old_trouble_does_not_colour_a_good_second() -> None:
     before = Health(ticks=10, missed=3, refused=1, last_refusal="old")
     after = Health(ticks=20, missed=3, refused=1, last_refusal="old")

@@ -78,7 +78,7 @@ def health_report(before: Health, now: Health) -> HealthReport:
     if warnings := _warnings(before, now):
         return HealthReport(Level.WARN, "; ".join(warnings), values)
     if ticks == 0:
-        return HealthReport(Level.STALE, "no tick", values)
+        return HealthReport(Level.STALE, f"no tick: {now.awaited}" if now.awaited else "no tick", values)
     return HealthReport(Level.OK, counted(ticks, "tick"), values)
 
 
