@@ -21,6 +21,7 @@ from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_sim.ros import simulator_node
 from q2q_sim.ros.simulator_node import Simulator
 
 CUT = "motors cut by all/emergency: restart this node to fly"
@@ -119,6 +120,34 @@ def test_packets_that_vehicles_refuse_are_a_doubt_of_the_simulator_while_they_co
             simulator._diagnostics()
             doubts.append(health_report(Health(), simulator._flight.health).summary)
     assert doubts == ["no tick", f"CRTP of {name}: packets refused: 2 (port 10: not served)", "no tick"]
+
+
+def test_a_simulator_in_lockstep_warns_once_of_the_command_that_it_waits_for_and_of_giving_it_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wall = [0.0]
+    monkeypatch.setattr(simulator_node, "perf_counter", lambda: wall[0])
+    node = RoomNode("simulator", {"autostart": False, "command_timeout_s": 8.0}, {})
+    simulator = Simulator(node)
+    node.services["start"].call()
+    summaries = []
+    for wall[0] in (0.5, 1.5, 2.5):
+        simulator._diagnostics()
+        summaries.append(health_report(Health(), simulator._flight.health).summary)
+    awaited = "command of cf1, cf2 not received: is a controller running?"
+    assert summaries == ["no tick", f"no tick: {awaited}", f"no tick: {awaited}"]
+    assert node.lines == [awaited]
+    for wall[0] in (8.0, 13.0, 18.0):
+        simulator._on_timer()
+    gave_up = "no command in 8 s (`command_timeout_s`): the vehicles fly on without, a tick every 5 s"
+    assert node.lines == [awaited, gave_up]
+    stamped = encode(synthetic_signal(SwarmCommand, 0.0), 1_796_034_108_352_000_000)
+    node.takers["command"](stamped)
+    simulator._diagnostics()
+    simulator._diagnostics()
+    foreign = "command: one is stamped 1796034108.352 s, the frame 0.030 s: stamp each with its frame's stamp"
+    assert node.lines == [awaited, gave_up, foreign]
+    assert health_report(Health(), simulator._flight.health).summary == f"missing ticks; {foreign}"
 
 
 @dataclass

@@ -53,6 +53,10 @@ class CommandGate:
         names = tuple(name for name in self._names if name in self._rows)
         return _gathered(names, self._rows) if names else None
 
+    def missing(self) -> Names:
+        """Return the vehicles without a command since `expect`."""
+        return tuple(name for name in self._names if name not in self._rows)
+
     def _accepts(self, name: str, stamp_ns: int) -> bool:
         return stamp_ns == self._stamp_ns if self._exact else stamp_ns > self._done_ns.get(name, -1)
 

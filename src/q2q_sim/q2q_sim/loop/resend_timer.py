@@ -1,5 +1,8 @@
 """Time-outs of lockstep: when to publish a frame again, and when to fly on without a command."""
 
+STALL_S = 1.0
+"""Time without an answer after which a tick is reported [s]."""
+
 
 class ResendTimer:
     """Timer of the tick that waits, on wall time.
@@ -12,6 +15,8 @@ class ResendTimer:
         self._period_s = period_s
         self._timeout_s = timeout_s
         self._limit = timeout_s
+        self.has_given_up = False
+        """Whether a tick was missed, and none was answered since."""
         self._since = 0.0
         self._asked = 0.0
 
@@ -21,13 +26,17 @@ class ResendTimer:
 
     def answered(self) -> None:
         """Record that the tick was answered."""
-        self._limit = self._timeout_s
+        self._limit, self.has_given_up = self._timeout_s, False
+
+    def is_stalled(self, now: float) -> bool:
+        """Return whether the tick waits for long, or follows one that was missed."""
+        return self.has_given_up or now - self._since >= STALL_S
 
     def poll_expiry(self, now: float) -> bool:
         """Return whether the tick is missed; if so, the next ones wait for `resend_period_s` only."""
         if now - self._since < self._limit:
             return False
-        self._limit = self._period_s
+        self._limit, self.has_given_up = self._period_s, True
         return True
 
     def poll_resend(self, now: float) -> bool:

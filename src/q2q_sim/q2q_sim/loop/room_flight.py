@@ -6,19 +6,19 @@ one that comes after the next frame is late, its tick missed, and it is flown if
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import replace
 
 from q2q_model.diagnostics.health import Health
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.cdr.cdr_reader import SignalReader
-from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
-from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
+from q2q_model.signals.values import Array, SwarmCommand
 from q2q_sim.air.air_names import AirError
 from q2q_sim.link.conflicting_commands import ConflictingCommands
 from q2q_sim.loop.command_gate import CommandGate
-from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
+from q2q_sim.loop.command_stamps import CommandStamps
+from q2q_sim.loop.flight_clock import FlightClock
+from q2q_sim.loop.flight_output import NOTHING, Output, StampedSignal
 from q2q_sim.loop.resend_timer import ResendTimer
 from q2q_sim.loop.room import Room, Tick
 from q2q_sim.loop.simulator_params import SimulatorParams
@@ -26,38 +26,6 @@ from q2q_sim.scenarios.scenario import Scenario
 
 STALL_CHECK_S = 0.05
 """Period of the check for stalled ticks in lockstep [s]."""
-OUTPUTS: dict[str, type[Signal]] = {
-    "mocap": MocapFrame,
-    "truth": SwarmState,
-    "truth_interference": Interference,
-    "imu": SwarmImu,
-}
-"""Published topics and their signals."""
-
-
-class StampedSignal(NamedTuple):
-    """Signal to publish."""
-
-    topic: str
-    signal: Signal
-    stamp_ns: int
-
-
-@dataclass(frozen=True, slots=True)
-class Output:
-    """What to publish after an event."""
-
-    signals: tuple[StampedSignal, ...] = ()
-    """In the order of publication."""
-    clock_ns: int | None = None
-    """Time of a new tick [ns]."""
-    timing: FlightTiming | None = None
-    """Timing of the flight, once it is over."""
-    refusal: str = ""
-    """Why a command was refused."""
-
-
-NOTHING = Output()
 
 
 class RoomFlight:
@@ -86,7 +54,12 @@ class RoomFlight:
         self._firmware = firmware
         self._lockstep = params.pace == "lockstep" and firmware is None
         self._gate = CommandGate(room.names, exact=self._lockstep)
+        self._stamps = CommandStamps(exact=self._lockstep)
         self._resend = ResendTimer(params.resend_period_s, params.command_timeout_s)
+        self._give_up_warning = (
+            f"no command in {params.command_timeout_s:g} s (`command_timeout_s`): the vehicles fly on "
+            f"without, a tick every {params.resend_period_s:g} s"
+        )
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
         self._is_answered = False
@@ -112,9 +85,27 @@ class RoomFlight:
     @property
     def locked(self) -> str:
         """Return which vehicles keep their motors off, why, and what to do; empty if none does."""
-        names = self._room.locked if self.is_flying and self._firmware is None else ()
+        names = self._room.locked if self.is_flying and self._firmware is None and not self.misstamped else ()
         why = "by 2 s without a command, or from the start, until one has no thrust"
         return f"{', '.join(names)}: motors locked {why}: start the simulator last" if names else ""
+
+    @property
+    def misstamped(self) -> str:
+        """Return that commands have stamps of no frame, and what to do; empty if no tick suffers from it."""
+        suffers = self._is_stalled if self._lockstep else self._tick is not None
+        return self._stamps.warning if suffers else ""
+
+    @property
+    def awaited(self) -> str:
+        """Return what a stalled tick in lockstep waits for; empty if none does, or stamps are the cause."""
+        if not self._is_stalled or self.misstamped:
+            return ""
+        return f"command of {', '.join(self._gate.missing())} not received: is a controller running?"
+
+    @property
+    def _is_stalled(self) -> bool:
+        waits = self._lockstep and self._tick is not None
+        return waits and self._resend.is_stalled(self._wall_clock())
 
     @property
     def period_s(self) -> float:
@@ -146,6 +137,8 @@ class RoomFlight:
         except ValueError as refusal:
             return self._refused(refusal)
         self.conflicts.take(stamp_ns, offered)
+        if self._tick is not None:
+            self._stamps.take(stamp_ns, self._tick.frame_stamp_ns)
         if command is None or self._tick is None or (self._lockstep and self._command is not None):
             return NOTHING
         answered_ns = self._gate.stamp_of(command, stamp_ns)
@@ -158,9 +151,11 @@ class RoomFlight:
         """Return the next tick; in lockstep, only once the tick is given up, else its frame if it is due."""
         if self._tick is None:
             return self._first_tick() if self._started else NOTHING
-        now = self._wall_clock()
-        if not self._lockstep or self._resend.poll_expiry(now):
+        if not self._lockstep:
             return self._advance()
+        now, is_first = self._wall_clock(), not self._resend.has_given_up
+        if self._resend.poll_expiry(now):
+            return replace(self._advance(), gave_up=self._give_up_warning if is_first else "")
         return Output((_frame(self._tick),)) if self._resend.poll_resend(now) else NOTHING
 
     def _advance(self) -> Output:

@@ -37,7 +37,8 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import timing_as_text
-from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, warm_up_room
+from q2q_sim.loop.flight_output import OUTPUTS, Output
+from q2q_sim.loop.room_flight import RoomFlight, warm_up_room
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.ros.ready_nodes import ReadyNodes
 
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND, CLOCK, CRTP, LOCKED, CONFLICTS = "command", "/clock", "crtp", "locked", "conflicts"
+COMMAND, CLOCK, CRTP, LOCKED, CONFLICTS, STAMPS = "command", "/clock", "crtp", "locked", "conflicts", "stamps"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -142,21 +143,29 @@ class Simulator:
             self._clock.publish(encode_stamp(output.clock_ns))
         if output.refusal:
             self._node.get_logger().error(f"command refused: {output.refusal}", throttle_duration_sec=1.0)
+        if output.gave_up:
+            self._node.get_logger().warning(output.gave_up)
         if output.timing is not None:
             self._summary.publish(String(data=timing_as_text(output.timing)))
             self._node.get_logger().info(f"flight over: {output.timing}")
 
     def _diagnostics(self) -> Mapping[str, str]:
-        doubts = self._flight.health.doubts
-        for kind, doubt in ((LOCKED, self._flight.locked), (CONFLICTS, self._conflicts())):
-            if doubt and doubt != doubts.get(kind):
-                self._node.get_logger().warning(doubt)
-            doubts[kind] = doubt
-        doubts |= {COMMAND: self._controllers.update(), CLOCK: self._clocks.update()}
+        flight, health = self._flight, self._flight.health
+        found = {LOCKED: flight.locked, CONFLICTS: self._conflicts(), STAMPS: flight.misstamped}
+        for kind, doubt in found.items():
+            self._warn_if_new(doubt, health.doubts.get(kind, ""))
+        awaited = flight.awaited
+        self._warn_if_new(awaited, health.awaited)
+        health.awaited = awaited
+        health.doubts |= found | {COMMAND: self._controllers.update(), CLOCK: self._clocks.update()}
         if self._crtp is None:
-            return self._flight.clock.recent()
-        doubts[CRTP] = self._crtp.warnings()
-        return {**self._flight.clock.recent(), **self._crtp.diagnostics()}
+            return flight.clock.recent()
+        health.doubts[CRTP] = self._crtp.warnings()
+        return {**flight.clock.recent(), **self._crtp.diagnostics()}
+
+    def _warn_if_new(self, found: str, before: str) -> None:
+        if found and found != before:
+            self._node.get_logger().warning(found)
 
     def _conflicts(self) -> str:
         """Return which vehicles two nodes command, and what to do; empty for none."""

@@ -1,0 +1,43 @@
+"""What a flight through nodes publishes after an event, and on which topics."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, MocapFrame, SwarmImu, SwarmState
+from q2q_sim.loop.flight_clock import FlightTiming
+
+OUTPUTS: dict[str, type[Signal]] = {
+    "mocap": MocapFrame,
+    "truth": SwarmState,
+    "truth_interference": Interference,
+    "imu": SwarmImu,
+}
+"""Published topics and their signals."""
+
+
+class StampedSignal(NamedTuple):
+    """Signal to publish."""
+
+    topic: str
+    signal: Signal
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """What to publish after an event."""
+
+    signals: tuple[StampedSignal, ...] = ()
+    """In the order of publication."""
+    clock_ns: int | None = None
+    """Time of a new tick [ns]."""
+    timing: FlightTiming | None = None
+    """Timing of the flight, once it is over."""
+    refusal: str = ""
+    """Why a command was refused."""
+    gave_up: str = ""
+    """Why the vehicles fly on without a command in lockstep, at the first such tick."""
+
+
+NOTHING = Output()
