@@ -132,6 +132,24 @@ def test_a_vehicle_with_nan_neither_feels_nor_causes_and_says_so(law: Jet):
     assert np.isnan(answer.std[1]).all()
 
 
+@pytest.mark.parametrize("law", [PAPER_LAW, MEASURED_LAW])
+def test_a_vehicle_that_was_never_seen_neither_feels_nor_causes_and_has_no_past(law: Jet) -> None:
+    predictor = InteractionPredictor(law)
+    now = state(0.0, [[0, 0, -0.5], [0, 0, 0]])
+    unseen = replace(
+        now,
+        age=np.array([0.0, np.inf]),
+        status=np.array([TrackStatus.TRACKED, TrackStatus.LOST], dtype=np.uint8),
+    )
+    answer = predictor.update(unseen)
+    np.testing.assert_array_equal(answer.acc, 0.0)
+    assert list(answer.status) == [InterferenceStatus.VALID, InterferenceStatus.NO_MODEL]
+    seen = predictor.update(state(0.01, [[0, 0, -0.5], [9.0, 0, 0]]))
+    np.testing.assert_allclose(seen.acc, 0.0, atol=1e-12)
+    lost = replace(unseen, t=0.02, age=np.array([0.0, 5.0]))
+    assert predictor.update(lost).acc[0, 2] < -0.3
+
+
 def test_a_source_that_was_nan_when_its_air_left_is_announced():
     predictor = InteractionPredictor(MEASURED_LAW)
     for k in range(20):

@@ -14,7 +14,7 @@ observed for less than its delay counts with its first observed state.
 | such stamps that go on (a bag restarts, a pause): signals.clock_resets | the history begins again |
 | vehicles appear, vanish, or change rows | the history follows the names |
 | a source COASTING or LOST, or without past states | included; STALE_SOURCE on the exposed vehicle |
-| NaN in a vehicle's position or velocity | in no pair; NO_MODEL, eta 0, std NaN |
+| NaN in a vehicle's position or velocity; infinite age (never seen) | no pair; NO_MODEL, eta 0, std NaN |
 | a source without orientation (NaN, one marker only) | level |
 | a model without reach (`none`) | NO_MODEL, eta 0, std NaN |
 """
@@ -83,6 +83,7 @@ class InteractionPredictor:
         if is_repeated(self._last, state.t, state.names):
             return self._last
         states = np.concatenate((state.pos, state.vel, state.quat), axis=1, dtype=np.float64)  # (n, 10)
+        states[np.isinf(state.age)] = np.nan  # never seen: its position is none
         acc, std = np.empty(state.pos.shape), np.empty(state.pos.shape)
         status = np.empty(len(state.names), dtype=np.uint8)
         if self._present is None:
