@@ -230,7 +230,13 @@ def test_what_a_block_has_refused_does_not_stand_in_the_way_of_the_next_change()
 
 @pytest.mark.parametrize(
     ("name", "value", "example"),
-    [("k_p_z", 5, "5.0"), ("k_p_z", "high", f"{PidParams().k_p_z}"), ("vehicles", "cf1", "['cf1']")],
+    [
+        ("k_p_z", 5, "5.0"),
+        ("k_p_z", "high", f"{PidParams().k_p_z}"),
+        ("vehicles", "cf1", "['cf1']"),
+        ("vehicles", 1, "['1']"),
+        ("vehicles", [1, 2], "['1', '2']"),
+    ],
 )
 def test_a_value_of_the_wrong_type_is_refused_with_an_example(name: str, value: object, example: str) -> None:
     node = Node("wrong_type", parameter_overrides=[Given(name, value=value)])
