@@ -14,6 +14,19 @@ def test_what_ros_refuses_is_reported_without_places_in_its_source() -> None:
     )
 
 
+def test_a_parameter_without_a_value_is_answered_with_how_an_empty_text_is_given() -> None:
+    error = RuntimeError("Couldn't parse parameter override rule: '-p model:='. Error: error not set")
+    assert refusal_of_ros(error) == "parameter model has no value: an empty text is -p \"model:=''\""
+
+
+def test_lists_are_explained_only_where_one_is_given() -> None:
+    for message in (
+        "Couldn't parse trailing -p flag. No parameter override rule found.",
+        "Couldn't parse parameter override rule: '-p =3'. Error: Expecting token or wildcard",
+    ):
+        assert refusal_of_ros(RuntimeError(message)) == message
+
+
 def test_arguments_that_ros_does_not_know_are_named() -> None:
     message = refusal_of_ros(RuntimeError("['--bad']"))
     assert (

@@ -2,6 +2,8 @@
 
 import re
 
+EMPTY_RULE = re.compile(r"'-p ([^']*):='")
+"""Parameter given without a value."""
 SOURCE = re.compile(r",? at \S+:\d+")
 """Place in the source of rcl where an error arose."""
 QUOTED = """text in a list is quoted: -p "uris:=['radio://0/80/2M/E7E7E7E701']\""""
@@ -14,4 +16,6 @@ def refusal_of_ros(error: RuntimeError) -> str:
         return (
             f"ROS does not know the arguments {message}: allowed is --ros-args -p name:=value, and its like"
         )
-    return f"{message}; {QUOTED}" if "parameter override" in message else message
+    if empty := EMPTY_RULE.search(message):
+        return f"parameter {empty[1]} has no value: an empty text is -p \"{empty[1]}:=''\""
+    return f"{message}; {QUOTED}" if "parameter override" in message and ":=[" in message else message
