@@ -39,7 +39,7 @@ from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadio
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
 from q2q_sim.loop.room import Room
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 

@@ -17,7 +17,7 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.air.find_air import find_air
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode, plan_of
-from q2q_sim.monitors.metrics.metrics import VehicleMetrics, measure
+from q2q_sim.monitors.metrics.flight_metrics import VehicleMetrics, measure
 from q2q_sim.scenarios import library
 
 CRAZYSWARM = ROOT / "docs/tutorials/real_vehicles_with_crazyswarm2.md"

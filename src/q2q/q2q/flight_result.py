@@ -20,7 +20,7 @@ from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, measure
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.monitors.recording_end import with_end
 from q2q_sim.replay_page import in_air, replay_html, replay_run

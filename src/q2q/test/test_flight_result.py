@@ -14,7 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_sim.bag_topics.bag_verdict import bag_verdict
 from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.scenarios.scenario_to_document import document_of
 
 SHORT = replace(q2q.scenario("table6_room", air="room"), duration=0.5)

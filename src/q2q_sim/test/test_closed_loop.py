@@ -16,7 +16,7 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
 from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, measure
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.room_profiles import ROUGH
 from q2q_sim.scenarios.scenario import Scenario

@@ -11,7 +11,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_air
 

@@ -19,7 +19,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_judgement import verdict_of
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, VehicleMetrics, measure
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun

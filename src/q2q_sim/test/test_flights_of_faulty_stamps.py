@@ -17,7 +17,7 @@ from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.flight_judgement import verdict_of
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.monitors.policies import Circumstances, trace_in_lockstep
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document

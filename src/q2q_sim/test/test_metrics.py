@@ -14,7 +14,7 @@ from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.exposure import exposed, exposure
-from q2q_sim.monitors.metrics.metrics import held_thrust, measure
+from q2q_sim.monitors.metrics.flight_metrics import held_thrust, measure
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.report.bag_tables import TRACKING

@@ -23,7 +23,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.scenarios import library
 
 BAGS = Path(__file__).parents[3] / "bags"

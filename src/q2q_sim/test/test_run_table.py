@@ -8,7 +8,7 @@ from rich.console import Console
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, VehicleMetrics
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.run_table import run_table

@@ -8,7 +8,7 @@ import pytest
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import MOST_SHOWN, Finding, FlightVerdict, verdict_line
-from q2q_sim.monitors.metrics.metrics import FlightMetrics
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 

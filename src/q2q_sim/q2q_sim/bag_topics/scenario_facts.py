@@ -1,5 +1,6 @@
 """Metadata of a scenario's flight, for its bag, and the scenario that a bag's metadata give."""
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,8 +50,15 @@ def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
 
 
 def flown_faults(bag: Path) -> tuple[Fault, ...]:
-    """Return the faults that a bag's scenario injected; none if the bag does not lead to its scenario."""
+    """Return the faults that a bag's scenario injected; none, with a warning, if that cannot be read.
+
+    A bag that names no scenario has none.
+    """
+    facts = read_facts(bag)
+    if not facts.scenario:
+        return ()
     try:
-        return flown_scenario(read_facts(bag), bag).faults
-    except ValueError:
+        return flown_scenario(facts, bag).faults
+    except ValueError as error:
+        warnings.warn(f"bag {bag}: faults of its scenario are not known: {error}", stacklevel=2)
         return ()

@@ -6,7 +6,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.flight_verdict import Finding, FlightVerdict, with_finding
-from q2q_sim.monitors.metrics.metrics import tick_period
+from q2q_sim.monitors.metrics.flight_metrics import tick_period
 
 EARLY_S = 0.5
 """Time that a flight to the end may lack [s]: live, the last ticks are lost when the nodes end."""

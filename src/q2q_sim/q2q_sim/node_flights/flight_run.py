@@ -8,7 +8,7 @@ from q2q_model.documents.json_file import Json
 from q2q_model.flights.flight import Flight
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics.metrics import FlightMetrics
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
 
 

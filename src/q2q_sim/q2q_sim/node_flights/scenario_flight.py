@@ -7,7 +7,7 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import with_finding
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.monitors.recording_end import with_lost_ticks
 from q2q_sim.node_flights.flight_nodes import node_specs

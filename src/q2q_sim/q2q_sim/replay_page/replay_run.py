@@ -14,7 +14,7 @@ from q2q_sim.air.travel_speed import travel_speed
 from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics.metrics import best_position
+from q2q_sim.monitors.metrics.flight_metrics import best_position
 from q2q_sim.monitors.metrics.proximity import under_another
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances

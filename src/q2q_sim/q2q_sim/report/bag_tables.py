@@ -11,7 +11,7 @@ from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.bag_topics.recorded_diagnostics import NodeLife
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics.metrics import FlightMetrics
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.monitors.mocap_quality import MocapQuality
 from q2q_sim.report.html_page import Grid, Heading, Part
 from q2q_sim.report.significant_digits import significant_digits

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from q2q_model import palette
 from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.signals.values import Array, CommandStatus
-from q2q_sim.monitors.metrics.metrics import best_position
+from q2q_sim.monitors.metrics.flight_metrics import best_position
 from q2q_sim.report.panels import legend_above, literal, panels
 
 PADDING = 0.06

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from q2q_model.counted import counted
 from q2q_sim.monitors.flight_verdict import verdict_line
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, VehicleMetrics
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.html_page import Grid
 from q2q_sim.report.significant_digits import significant_digits

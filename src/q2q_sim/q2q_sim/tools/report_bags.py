@@ -17,7 +17,7 @@ from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_sim.bag_topics.bag_verdict import bag_verdict
 from q2q_sim.bag_topics.recorded_diagnostics import recorded_lives
 from q2q_sim.monitors.flight_verdict import verdict_line
-from q2q_sim.monitors.metrics.metrics import measure
+from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.monitors.mocap_quality import mocap_quality
 from q2q_sim.replay_page import MOST_RUNS, in_air, replay_element, replay_run
 from q2q_sim.report import figures

@@ -31,7 +31,7 @@ from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, Figu
 from q2q_sim.firmware.motors.battery import LOW_POWER, Battery
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.metrics.metrics import tick_period
+from q2q_sim.monitors.metrics.flight_metrics import tick_period
 from q2q_sim.scenarios import library
 
 FLIGHTS = range(1, 7)

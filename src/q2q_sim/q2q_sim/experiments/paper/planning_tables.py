@@ -12,7 +12,7 @@ from q2q_planner.offline.certificate.certificate import certify
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import plan_of
-from q2q_sim.monitors.metrics.metrics import best_position, tick_period
+from q2q_sim.monitors.metrics.flight_metrics import best_position, tick_period
 from q2q_sim.scenarios import library
 
 SCENARIO = "section4_1"

@@ -20,7 +20,7 @@ from q2q_sim.experiments.ablation.variant_flight import COLUMNS, VariantFlight, 
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode
-from q2q_sim.monitors.metrics.metrics import best_position, measure
+from q2q_sim.monitors.metrics.flight_metrics import best_position, measure
 from q2q_sim.report.figures import PlotCurve, thrust_limits
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

@@ -10,7 +10,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.metrics.exposure import exposed
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, best_position
+from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, best_position
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.processes.interruption import Interruption
