@@ -106,6 +106,10 @@ def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
         return
     for number in value if isinstance(value, tuple) else (value,):
         if isinstance(number, str):
+            if not number.strip():
+                raise OutOfBoundsError(
+                    owner, name, f"{value}: allowed are texts that are not empty; leave out {number!r}"
+                )
             continue
         low = -float("inf") if spec.low is None else spec.low
         high = float("inf") if spec.high is None else spec.high

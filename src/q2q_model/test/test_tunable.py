@@ -10,10 +10,11 @@ from q2q_model.tunable import OutOfBoundsError, check_bounds, tunable, with_over
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """Two parameters."""
+    """Three parameters."""
 
     gain: float = tunable(1.0, "a gain", unit="1/s", low=0.0, high=2.0)
     mode: str = tunable("a", "a choice", choices=("a", "b"))
+    vehicles: tuple[str, ...] = tunable((), "names")
 
     def __post_init__(self) -> None:
         """Check."""
@@ -38,6 +39,15 @@ def test_an_unknown_key_is_answered_with_the_nearest_right_one() -> None:
 def test_a_wrong_choice_is_refused_with_the_right_ones() -> None:
     with pytest.raises(ValueError, match="choose one of a, b"):
         Demo(mode="c")
+
+
+@pytest.mark.parametrize("empty", ["", " ", "\t"])
+def test_a_list_of_names_has_none_that_is_empty_or_of_spaces_only(empty: str) -> None:
+    assert Demo(vehicles=("cf1", "cf 2")).vehicles == ("cf1", "cf 2")
+    with pytest.raises(
+        ValueError, match=r"Demo.vehicles = .*allowed are texts that are not empty; leave out"
+    ):
+        Demo(vehicles=("cf1", empty))
 
 
 def test_an_error_comes_whole_from_another_process() -> None:
