@@ -120,6 +120,9 @@ def test_samples_rejected_now_and_then_or_after_a_gap_are_not_reported_and_many_
     seldom = MocapWarnings()
     assert not any(seldom.update(k * DT, NOTHING if k % 5 else rejected) for k in range(1000))
     assert not any(seldom.update(100.0 + k * DT, NOTHING if k % 5 else rejected) for k in range(1000))
+    thirds = MocapWarnings()
+    (line,) = [line for k in range(1000) if (line := thirds.update(k * DT, NOTHING if k % 3 else rejected))]
+    assert "many" in line
     often = MocapWarnings()
     lines = [(k * DT, often.update(k * DT, rejected if k < 500 else NOTHING)) for k in range(1000)]
     (begin, first), (end, last) = [one for one in lines if one[1]]

@@ -11,14 +11,14 @@ from q2q_model.signals.values import Names
 
 AVERAGE_S = 2.0
 """Time constant of the average [s]."""
-STEP_MOST = 0.35
-"""Longest time for which one frame counts [s], so that one sample after a gap is not many."""
+STEP_MOST = 0.1
+"""Longest time for which one frame counts [s], so that one sample after a gap is not many: 10 Hz."""
 MANY = 0.25
 """Share that is too much [-]: of hovering vehicles a tenth is rejected at 1.5 cm of noise, 0.3 at 2 cm."""
 FEW = 0.5 * MANY
 """Share at which it is no longer too much [-]."""
-_FORGOTTEN = 0.01
-"""Share below which a vehicle is no longer kept [-]."""
+_FORGOTTEN = 1e-4
+"""Share below which a vehicle is no longer kept [-]: less than that of one sample at 1000 Hz."""
 
 
 class RejectedShares:
