@@ -21,7 +21,7 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
 from q2q_model.estimation.nominal_frame import RECENT
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.signals.values import TrackStatus
+from q2q_model.signals.values import MocapFrame, TrackStatus
 
 
 def test_a_repeated_stamp_gets_the_same_answer_and_leaves_no_trace():
@@ -190,3 +190,23 @@ def test_gains_of_one_spacing_are_not_used_at_another():
         if tick > 60:
             # the steady lag of the filter on this path; a spacing mistaken by a factor of 2 is off by half
             np.testing.assert_allclose(state.vel, truth_at(tick)[1], atol=0.1)
+
+
+@pytest.mark.parametrize("rate", [100.0, 10.0, 5.0, 4.0, 3.0])
+def test_vehicles_come_back_after_lost_frames_at_any_rate(rate: float) -> None:
+    block, rng = MocapFilter(MocapFilterParams(), ("cf1",)), np.random.default_rng(3)
+    upright, turned = np.array([[0.0, 0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, 1.0, 0.0]])
+    for k in range(int(10.0 * rate)):
+        t = 10.0 + k / rate
+        if 12.0 < t < 12.5:
+            continue
+        pos, quat = (
+            np.array([[0.0, 0.0, 1.0]]) + rng.normal(0.0, 3e-4, (1, 3)),
+            turned if t > 17.0 else upright,
+        )
+        state = block.update(MocapFrame(t, ("cf1",), pos, quat))
+        if 12.5 + 4.0 / rate + 0.06 < t:
+            assert state.status[0] == TrackStatus.TRACKED
+            assert state.age[0] == 0.0
+        assert bool(block.warnings.seldom) == (rate < 2.0 / 0.35 and k >= 5)
+    np.testing.assert_allclose(np.abs(state.quat), turned)  # a turn that lasts is accepted, too

@@ -23,6 +23,8 @@ class FrameWarnings(NamedTuple):
     """They have no position."""
     rejected: Names = ()
     """Their positions fail the gates on jumps."""
+    seldom: Names = ()
+    """Frames come so seldom that they are lost with a single one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,16 +23,17 @@ rows by name in frame_rows. This file is about frames:
   it is another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
-  more than GAP_S do not count for that.
+  more than GAP_S, or where frames come less often from before a lost one (frame_intervals), do not count.
 """
 
 from dataclasses import fields, replace
 
 import numpy as np
 
-from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
+from q2q_model.estimation.association.jump_candidates import SAME_INSTANT
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.filter_report import FilterReport, FrameWarnings
+from q2q_model.estimation.frame_intervals import FrameIntervals
 from q2q_model.estimation.frame_rows import FrameRows, check_shapes, match_rows, poses_by_track
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.nominal_frame import QUAT_AT, extend_memory, no_poses, nominal_frame, remember_poses
@@ -78,7 +79,9 @@ class MocapFilter:
     @property
     def warnings(self) -> FrameWarnings:
         """Return the vehicles of which the last frame was wrong."""
-        return FrameWarnings(*map(self._named, self._wrong))
+        found = FrameWarnings(*map(self._named, self._wrong))
+        seldom = 2.0 * self._intervals.period > self._params.coast_s + SAME_INSTANT
+        return found._replace(seldom=self._names) if seldom else found
 
     @property
     def refuses_names(self) -> bool:
@@ -97,6 +100,7 @@ class MocapFilter:
         self._positions, self._attitudes = PositionTracks(gates[0], count), AttitudeTracks(gates[1], count)
         self._last: SwarmState | None = None
         self._old = ClockResetDetector()
+        self._intervals = FrameIntervals()
         self._rows = FrameRows()
         self._recent = no_poses(count)
         self._wrong: tuple[Mask, ...] = ()
@@ -155,8 +159,12 @@ class MocapFilter:
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         poses, t = self._by_track(frame), frame.t
-        if self._last is not None and t - self._last.t > GAP_S:
-            self._attitudes.forget_rejected(t)
+        if self._last is not None:
+            if t - self._last.t > self._intervals.longest:
+                self._attitudes.forget_rejected(t)
+            if t > self._last.t:
+                self._intervals.add(t - self._last.t)
+            self._positions.allow_gap(self._intervals.longest)
         n = len(poses)
         pos, vel, ang_vel_body = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         quat, age = np.empty((n, 4)), np.zeros(n)

@@ -17,6 +17,7 @@ _WORDS = {
     "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
     "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",
     "upside_down": "upside down by their quaternions: {}; are these x, y, z, w, and markers as defined?",
+    "seldom": "frames come so seldom that one lost frame loses vehicles: {}; is coast_s two periods or more?",
     "missing": "no position of {}: are its markers seen, and is this its name in motion capture?",
 }
 

@@ -1,7 +1,7 @@
 """Candidates for a restart: the places where the rejected samples of each track gather, at most one a track.
 
 A sample joins a candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max
-(t - t_last), and t - t_last <= GAP_S.
+(t - t_last), and t - t_last <= gap_max: GAP_S, or longer where frames come less often (frame_intervals).
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from q2q_model.signals.values import Array, Mask
 Table = NDArray[np.void]
 
 GAP_S = 0.15
-"""Longest time between samples that stay together [s]: motion capture at 10 Hz still works."""
+"""Longest time between samples that stay together [s], unless frames come less often: below 10 Hz."""
 SAME_INSTANT = 1e-9
 """Rounding of a time in float64 [s]."""
 CANDIDATE = np.dtype(
@@ -24,6 +24,7 @@ CANDIDATE = np.dtype(
         ("first_pos", np.float64, 3),
         ("last_pos", np.float64, 3),
         ("gap", np.float64),  # longest time between two samples
+        ("gap_max", np.float64),  # longest time to a next sample
         ("ambiguous", np.bool_),
     ]
 )
@@ -33,7 +34,7 @@ CANDIDATE = np.dtype(
 def joins_candidates(candidates: Table, t: float, away: Array, limits: OutlierThresholds) -> Mask:
     """Return which samples at t [s] join candidates, from whose last ones they are `away` [m], (..., n)."""
     since = t - candidates["last_time"]
-    recent = (candidates["samples"] > 0) & (since <= GAP_S + SAME_INSTANT)
+    recent = (candidates["samples"] > 0) & (since <= candidates["gap_max"] + SAME_INSTANT)
     return np.asarray(recent & (away <= limits.jump_max + limits.speed_max * since))
 
 

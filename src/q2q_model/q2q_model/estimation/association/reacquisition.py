@@ -9,6 +9,7 @@ import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import (
     CANDIDATE,
+    GAP_S,
     SAME_INSTANT,
     Table,
     joins_candidates,
@@ -29,6 +30,8 @@ class Reacquisition:
         """Start `count` tracks without candidates."""
         self._limits = limits
         self._candidates = np.zeros(count, CANDIDATE)
+        self.gap_max = GAP_S
+        """Longest time from the samples that are offered to those that join them [s]."""
 
     @property
     def candidates(self) -> Table:
@@ -60,6 +63,7 @@ class Reacquisition:
         one["gap"][starts] = 0.0
         one["gap"][joins] = np.maximum(one["gap"], t - one["last_time"])[joins]
         one["last_time"][rejected], one["last_pos"][rejected] = t, pos[rejected]
+        one["gap_max"][rejected] = self.gap_max
         one["samples"][starts] = 1
         one["samples"][joins] += 1
         lasted = t - one["first_time"] >= patience - SAME_INSTANT

@@ -119,6 +119,10 @@ class PositionTracks:
         self._reacquisition.set_back(by)
         self._clock[PERIOD] = np.nan
 
+    def allow_gap(self, longest: float) -> None:
+        """Let rejected samples stay together that are up to `longest` [s] apart."""
+        self._reacquisition.gap_max = longest
+
     def age(self, t: float) -> Array:
         """Return the time since each track's last accepted sample [s], (n,); infinite if never seen."""
         return np.where(self._tracks.seen, t - self._tracks.time, np.inf)
