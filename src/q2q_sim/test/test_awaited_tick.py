@@ -7,6 +7,7 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.bag_topics.awaited_tick import AwaitedTick, check_awaited, played_tick_topics
+from q2q_sim.bag_topics.tick_messages import BagTick
 
 
 def message(topic: str, stamp_ns: int) -> RawMessage:
@@ -15,15 +16,14 @@ def message(topic: str, stamp_ns: int) -> RawMessage:
 
 
 def test_a_tick_waits_for_an_answer_of_its_stamp_and_is_played_again_every_two_seconds() -> None:
-    ticks = AwaitedTick({"/mocap"})
-    ticks.begin(10.0)
-    assert not ticks.wait_for(message("/state", 5))
+    ticks = AwaitedTick()
+    ticks.begin(10.0, BagTick(None, (message("/state", 5),)))
     assert not ticks.is_answered_by(b"")  # nothing waits
-    assert ticks.unanswered(20.0) is None
-    ticks.begin(10.0)
-    tick = message("/mocap", 7)
-    assert ticks.wait_for(tick)
-    assert [ticks.unanswered(now) is tick for now in (11.9, 12.0, 13.9, 14.0)] == [False, True, False, True]
+    assert ticks.unanswered(20.0) == ()
+    tick, again = message("/mocap", 7), (message("/mocap", 7), message("/reference", 7))
+    ticks.begin(10.0, BagTick(tick, (message("/state", 5), *again), again))
+    repeated = [ticks.unanswered(now) for now in (11.9, 12.0, 13.9, 14.0)]
+    assert repeated == [(), again, (), again]
     assert not ticks.is_answered_by(message("/mocap", 5).data)
     assert ticks.is_answered_by(message("/command", 7).data)
     with pytest.raises(ValueError, match="message has 0 bytes"):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -9,13 +10,16 @@ import pytest
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 import rclpy
+from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rosbags.rosbag2 import StoragePlugin, Writer
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagError, BagWriter
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.signals.values import MocapFrame, SwarmState
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_model.signals.values import MocapFrame, SwarmSetpoint, SwarmState
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
 
@@ -30,6 +34,24 @@ def recorded(bag: Path, topic: str = "/mocap") -> Path:
             frame = synthetic_signal(MocapFrame, tick / 100.0, ("cf1",))
             writer.write_signal(topic, tick * 10_000_000, frame)
     return bag / f"{bag.name}_0.mcap"
+
+
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """Publisher that notes the topic and tick of each message."""
+
+    topic: str
+    writer: Publisher
+    sent: list[tuple[str, int]]
+
+    def publish(self, data: bytes) -> None:
+        """Note a message and send it."""
+        self.sent.append((self.topic, header_stamp_ns(data) // 10**7))
+        self.writer.publish(data)
+
+    def wait_for_all_acked(self, timeout: Duration) -> bool:
+        """Wait as the publisher does."""
+        return bool(self.writer.wait_for_all_acked(timeout))
 
 
 @contextmanager
@@ -50,7 +72,7 @@ def play(player: Player, messages: int = TICKS) -> None:
     """Play so many messages, or to the end."""
     for _ in range(messages):
         if (message := player._messages.next) is not None:
-            player._play(message)
+            player._play_next(message)
 
 
 def played(bag: Path) -> Player:
@@ -164,6 +186,37 @@ def test_an_answer_without_a_header_is_refused_and_the_next_one_goes_on(tmp_path
         assert player._ticks.awaited is tick is not None
         player._on_answer(tick.data)
         assert player._ticks.awaited is not tick
+
+
+def test_an_answer_may_need_every_message_of_its_tick(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with BagWriter(tmp_path / "bag") as writer:
+        for tick in range(3):
+            writer.write_signal("/mocap", tick * 10**7, synthetic_signal(MocapFrame, tick / 100, ("cf1",)))
+            setpoint = synthetic_signal(SwarmSetpoint, tick / 100, ("cf1",))
+            if tick < 2:  # the bag was cut off before that of the last tick
+                writer.write_signal("/reference", tick * 10**7, setpoint)
+    sent: list[tuple[str, int]] = []
+    with waiting_player(tmp_path / "bag", "wait_for:=command") as player:
+        now = [0.0]
+        monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: now[0])
+        for topic, writer in player._writers.items():
+            monkeypatch.setitem(player._writers, topic, Listening(topic, writer, sent))
+        player._begin()
+        first = [("/mocap", 0), ("/reference", 0)]
+        assert sent == first
+        now[0] = 2.0
+        player._on_stall()
+        assert sent == first * 2
+        for _ in range(2):
+            assert player._ticks.awaited is not None
+            player._on_answer(player._ticks.awaited.data)
+        assert sent[4:] == [("/mocap", 1), ("/reference", 1), ("/mocap", 2)]
+        assert "playback over" not in capfd.readouterr().err
+        now[0] = 4.0
+        player._on_stall()
+    assert "playback over" in capfd.readouterr().err
 
 
 def played_at(player: Player, monkeypatch: pytest.MonkeyPatch, *moments: float) -> list[int]:

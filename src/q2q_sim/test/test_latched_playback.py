@@ -83,7 +83,7 @@ def test_who_comes_late_has_the_last_message_of_each_latched_topic(tmp_path: Pat
         player._begin()
         for _ in range(sum(map(len, SENT.values()))):
             assert player._messages.next is not None
-            player._play(player._messages.next)
+            player._play_next(player._messages.next)
         heard = heard_late(node, {"model": 1, "room/model": 1, "map": 1})
     assert heard == {
         "model": ["/model at 1.0"],

@@ -1,10 +1,11 @@
 """Playback tick by tick: which messages are ticks, what answers them, and the tick that waits for it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from q2q_model.bag import RawMessage
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_sim.bag_topics.tick_messages import BagTick
 from q2q_sim.bag_topics.topics import TYPE_NAMES
 from q2q_sim.loop.resend_timer import ResendTimer
 
@@ -17,22 +18,15 @@ RESEND_PERIOD_S = 2.0
 class AwaitedTick:
     """Tick that was played and waits for its answer; none before the first and after the last."""
 
-    def __init__(self, topics: set[str]) -> None:
-        """Take the topics whose messages are ticks."""
-        self.topics = topics
+    def __init__(self) -> None:
         self.awaited: RawMessage | None = None
+        self._stamped: Sequence[RawMessage] = ()
         self._resend = ResendTimer(period_s=RESEND_PERIOD_S, timeout_s=float("inf"))
 
-    def begin(self, now: float) -> None:
-        """Wait for no answer until the next tick is played, which begins at wall time now [s]."""
-        self.awaited = None
+    def begin(self, now: float, played: BagTick) -> None:
+        """Wait for the answer to a tick that is played at wall time now [s]; for none if it is no tick."""
+        self.awaited, self._stamped = played.tick, played.stamped
         self._resend.begin(now)
-
-    def wait_for(self, played: RawMessage) -> bool:
-        """Wait for the answer to a message if it is a tick; return whether one is awaited."""
-        if played.topic in self.topics:
-            self.awaited = played
-        return self.awaited is not None
 
     def is_answered_by(self, message: bytes) -> bool:
         """Return whether a message answers the tick: whether both have one stamp.
@@ -43,9 +37,9 @@ class AwaitedTick:
         tick = self.awaited
         return tick is not None and header_stamp_ns(message) == header_stamp_ns(tick.data)
 
-    def unanswered(self, now: float) -> RawMessage | None:
-        """Return the tick if it is to be played again at wall time now [s]."""
-        return self.awaited if self.awaited is not None and self._resend.poll_resend(now) else None
+    def unanswered(self, now: float) -> Sequence[RawMessage]:
+        """Return the messages of the tick if they are to be played again at wall time now [s]."""
+        return self._stamped if self.awaited is not None and self._resend.poll_resend(now) else ()
 
 
 def played_tick_topics(played: Iterable[str], awaited: str) -> set[str]:

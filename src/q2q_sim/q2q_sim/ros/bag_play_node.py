@@ -31,6 +31,7 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.bag_topics.awaited_tick import AwaitedTick, awaited_type, check_awaited, played_tick_topics
 from q2q_sim.bag_topics.playback import PAUSE_S, Playback
 from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
+from q2q_sim.bag_topics.tick_messages import TickMessages
 from q2q_sim.bag_topics.topics import has_one_writer
 
 CLOCK = "/clock"
@@ -61,7 +62,8 @@ class PlayParams:
     clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
     wait_for: str = tunable(
         "",
-        "topic whose message with the stamp of a tick lets the next tick be played; empty: by rate",
+        "topic whose message with the stamp of a tick lets all messages of the next one be played; "
+        "empty: by rate",
         read_only=True,
     )
     autostart: bool = tunable(True, "play at once; false: wait for ~/start", read_only=True)  # noqa: FBT003
@@ -86,14 +88,15 @@ class Player:
         if self._params.clock:  # that of the playback, not the recorded one
             wanted.pop(CLOCK, None)
         check_awaited(self._params.wait_for, wanted)
-        self._ticks = AwaitedTick(played_tick_topics(wanted, self._params.wait_for))
-        waited = self._ticks.topics if self._params.wait_for else set(wanted)
+        self._ticks, self._tick_topics = AwaitedTick(), played_tick_topics(wanted, self._params.wait_for)
+        waited = self._tick_topics if self._params.wait_for else set(wanted)
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         self._messages = PlayedMessages(self._reader, wanted, self._params.start)
+        self._tick_messages = TickMessages(self._messages, self._tick_topics)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
         self._clock = node.create_publisher(Clock, CLOCK, TICK) if self._params.clock else None
         self._over = node.create_publisher(String, PLAYBACK_OVER, LATCHED)
-        self._begun = False
+        self._begun = self._ended = False
         self._health = Health()
         awaited = self._params.wait_for.strip("/")
         given = [CLOCK] * self._params.clock + [awaited] * bool(awaited)
@@ -130,7 +133,7 @@ class Player:
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if self._begun:
             over = "the playback is over: start the node again for another one"
-            response.message = over if self._messages.next is None else "already playing"
+            response.message = over if self._ended else "already playing"
             return response
         self._begin()
         response.success = True
@@ -146,6 +149,7 @@ class Player:
 
     def _rewind(self) -> None:
         """Go to the start, and play what was latched before it."""
+        self._tick_messages.rewind()
         for message in self._messages.rewind():
             self._writers[message.topic].publish(message.data)
 
@@ -161,7 +165,13 @@ class Player:
             self._playback = self._playback.after_pause(pause)
             self._node.get_logger().info(f"stood still for {pause:.1f} s: goes on where it was")
         while (message := self._messages.next) is not None and self._playback.due(message.stamp_ns) <= now:
-            self._play(message)
+            self._play_next(message)
+
+    def _play_next(self, message: RawMessage) -> None:
+        self._play(message)
+        self._messages.advance()
+        if self._messages.next is None:
+            self._end(message.stamp_ns)
 
     def _on_answer(self, data: bytes) -> None:
         try:
@@ -173,38 +183,41 @@ class Player:
             self._play_tick()
 
     def _on_stall(self) -> None:
-        tick = self._ticks.unanswered(monotonic())
-        if tick is not None:
-            self._writers[tick.topic].publish(tick.data)
+        again = self._ticks.unanswered(monotonic())
+        for message in again:
+            self._writers[message.topic].publish(message.data)
+        if again:
             unanswered = f"no answer on {self._params.wait_for} to the last tick"
             report = f"{unanswered}: does the node run that writes it?"
             self._health.doubts[ANSWER] = report
             self._node.get_logger().warning(report, once=True)
+            if self._tick_messages.is_over and not self._params.loop:  # its other messages may be cut off
+                self._play_tick()
 
     def _play_tick(self) -> None:
-        """Play the messages up to the next tick, with it."""
-        self._ticks.begin(monotonic())
+        """Play the messages of the next tick; after the last, end."""
+        played = self._tick_messages.take()
+        self._ticks.begin(monotonic(), played)
         self._health.doubts[ANSWER] = ""
-        while (message := self._messages.next) is not None:
+        for message in played.messages:
             self._play(message)
-            if self._ticks.wait_for(message):
-                return
+        if played.tick is None:
+            self._end(0)
+            if not self._ended:
+                self._play_tick()
 
     def _play(self, message: RawMessage) -> None:
-        """Play the next message."""
         self._writers[message.topic].publish(message.data)
         if self._clock is not None:
             self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
-        self._health.ticks += message.topic in self._ticks.topics
-        self._messages.advance()
-        if self._messages.next is None:
-            self._end(message.stamp_ns)
+        self._health.ticks += message.topic in self._tick_topics
 
     def _end(self, last_ns: int) -> None:
         if self._params.loop and self._messages.damage is None:
             self._rewind()
             self._playback = self._playback.next_round(last_ns, monotonic())
         else:
+            self._ended = True
             self._over.publish(String(data=self._params.bag))
             print("playback over", file=sys.stderr)
             self._wait_acknowledged()
