@@ -52,7 +52,10 @@ def assert_continuous(flown: list[SwarmSetpoint]) -> None:
 
 
 @JERKS
-@pytest.mark.parametrize(("name", "ticks"), [("pos", 1), ("vel", 1), ("acc", 1), ("pos", 200)])
+@pytest.mark.parametrize(
+    ("name", "ticks"),
+    [("pos", 1), ("vel", 1), ("acc", 1), ("yaw", 1), ("yaw_rate", 1), ("pos", 200), ("yaw", 200)],
+)
 def test_a_vehicle_without_finite_setpoints_brakes_and_goes_on_with_the_next_one(
     jerk_max: float, name: str, ticks: int
 ) -> None:
@@ -64,6 +67,8 @@ def test_a_vehicle_without_finite_setpoints_brakes_and_goes_on_with_the_next_one
         flown.append(replanner.update(given, None))
         assert (flown[-1].status[0] == BROKEN) == bad
         assert flown[-1].status[1] == NOMINAL
+        assert flown[-1].yaw.tolist() == [0.3, -0.4]
+        assert flown[-1].yaw_rate.tolist() == [0.0, 0.0]
         np.testing.assert_array_equal(flown[-1].pos[1], apart(k).pos[1])
     assert_continuous(flown)
     if ticks == 200:  # it rests after SPEED / acc_max, and the ramps of a bounded jerk

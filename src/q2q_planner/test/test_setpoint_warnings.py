@@ -1,11 +1,13 @@
 """Tests of what is reported of setpoints that a replanner cannot repair."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from resting_signals import resting_setpoint
 
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
-from q2q_planner.online.setpoint_warnings import SETTLED_S, SetpointWarnings
+from q2q_planner.online.setpoint_warnings import SETTLED_S, SetpointWarnings, setpoint_warning
 
 NAMES = ("cf1", "cf2")
 
@@ -48,6 +50,14 @@ def test_a_wrong_stamp_makes_no_time_of_sound_setpoints(off: float, broken: int,
     warnings, stamps = SetpointWarnings(), [2e6 + 0.01 * k + (off if k == 100 else 0.0) for k in range(1300)]
     over = [k for k, t in enumerate(stamps) if "sound" in warnings.update(setpoint(t, broken=k == broken))]
     assert over == [pytest.approx(100 * (SETTLED_S + unsound), abs=1.0)]  # ticks
+
+
+@pytest.mark.parametrize("name", ["pos", "vel", "acc", "yaw", "yaw_rate"])
+def test_every_number_of_a_setpoint_must_be_finite(name: str) -> None:
+    given = setpoint(0.0)
+    values = getattr(given, name).copy()
+    values[1] = np.inf
+    assert setpoint_warning(replace(given, **{name: values})) == "no finite setpoint: cf2"
 
 
 def test_setpoints_that_are_not_finite_are_named_beside_broken_promises() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
+from q2q_planner.online.finite_setpoints import nonfinite_rows
 
 SETTLED_S = 10.0
 """Time of sound setpoints after which a warning is reported as over, and again if it comes back [s]."""
@@ -40,11 +41,17 @@ class SetpointWarnings:
 def setpoint_warning(setpoint: SwarmSetpoint) -> str:
     """Return what is wrong with setpoints, with the vehicles; empty if nothing is."""
     broken = setpoint.status == BROKEN
-    if isfinite(setpoint.pos.sum()) and not np.count_nonzero(broken):
+    if _is_finite(setpoint) and not np.count_nonzero(broken):
         return ""
-    endless = np.asarray(~np.isfinite(setpoint.pos).all(axis=1))
+    endless = nonfinite_rows(setpoint)
     found = _of(setpoint.names, broken, "promise broken"), _of(setpoint.names, endless, "no finite setpoint")
     return "; ".join(filter(None, found))
+
+
+def _is_finite(setpoint: SwarmSetpoint) -> bool:
+    """Return whether all numbers are finite; false, too, for finite ones whose sum is not."""
+    fields = setpoint.pos, setpoint.vel, setpoint.acc, setpoint.yaw, setpoint.yaw_rate
+    return all(isfinite(values.sum()) for values in fields)
 
 
 def _of(names: Names, which: Mask, what: str) -> str:

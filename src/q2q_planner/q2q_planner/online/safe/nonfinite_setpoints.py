@@ -10,12 +10,14 @@ vehicle is a new one.
 """
 
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of, rows_by_name
+from q2q_planner.online.finite_setpoints import nonfinite_rows
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.followed_reference import ReferenceRows
 
@@ -28,6 +30,12 @@ class Flyable:
     """Setpoints that are finite, or hover; without the other vehicles."""
     committed: CommittedMotion | None
     """Motion that is finite."""
+
+
+def is_flyable(setpoint: SwarmSetpoint, reference: ReferenceRows, committed: CommittedMotion | None) -> bool:
+    """Return whether a tick can be computed from a setpoint as it is; `reference` is its motion."""
+    turn = float(setpoint.yaw.sum() + setpoint.yaw_rate.sum())
+    return is_finite(reference) and isfinite(turn) and moves_finitely(committed)
 
 
 @compiled
@@ -91,20 +99,11 @@ def output_for_all(given: SwarmSetpoint, output: SwarmSetpoint) -> SwarmSetpoint
     )
 
 
-def nonfinite_rows(setpoint: SwarmSetpoint) -> Mask:
-    """Return which vehicles have a setpoint that is not finite, (n,)."""
-    return _not_finite(setpoint.pos, setpoint.vel, setpoint.acc)
-
-
-def _not_finite(pos: Array, vel: Array, acc: Array) -> Mask:
-    return np.asarray(~np.isfinite(np.concatenate([pos, vel, acc], axis=1)).all(axis=1))
-
-
 def _finite_motion(committed: CommittedMotion | None) -> CommittedMotion | None:
     if committed is None:
         return None
     rows = committed.rows
-    kept = ~_not_finite(rows.pos, rows.vel, rows.acc)
+    kept = np.asarray(np.isfinite(np.column_stack([rows.pos, rows.vel, rows.acc])).all(axis=1))
     names = tuple(name for name, stays in zip(committed.names, kept, strict=True) if stays)
     return CommittedMotion(committed.t, names, MotionRows._make(field[kept] for field in rows))
 

@@ -70,8 +70,7 @@ from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion,
 from q2q_planner.online.safe.motion_propagation import propagate
 from q2q_planner.online.safe.nonfinite_setpoints import (
     flyable_inputs,
-    is_finite,
-    moves_finitely,
+    is_flyable,
     off_reference,
     output_for_all,
 )
@@ -134,7 +133,7 @@ class SafeReplanner:
         if state is not None:
             self._last_known.update(state)
         reference = reference_rows(setpoint)
-        if is_finite(reference) and moves_finitely(self._committed):
+        if is_flyable(setpoint, reference, self._committed):
             self._output = self._tick(setpoint, reference, state)
             return self._output
         some = flyable_inputs(setpoint, self._committed, self._output)
