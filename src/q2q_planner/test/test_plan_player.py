@@ -63,6 +63,12 @@ def test_without_a_wait_the_plan_starts_at_the_first_tick_or_at_its_stamp() -> N
     np.testing.assert_allclose(late.update(frame(7.0, GROUND)).pos[0], [1.0, 0.0, 1.5], atol=1e-9)
 
 
+@pytest.mark.parametrize("start", [0.0, 50.0])
+def test_a_plan_with_a_stamp_does_not_wait_for_calls(start: float) -> None:
+    with pytest.raises(ValueError, match=rf"start {start:g} s with wait: .* give one of them"):
+        PlanPlayer(PLAN, start, GlideParams(), wait=True)
+
+
 def test_while_it_waits_the_reference_is_where_the_vehicles_are_seen() -> None:
     room = _Room()
     np.testing.assert_array_equal(room.tick().pos, GROUND)

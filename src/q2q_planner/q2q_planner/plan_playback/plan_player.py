@@ -60,10 +60,18 @@ class PlanPlayer:
     """Plan that is played, and the last measured positions."""
 
     def __init__(self, plan: SwarmPlan, start: float, params: GlideParams, *, wait: bool) -> None:
-        """Play from the stamp `start` [s], from the first tick if it is negative, or wait for calls."""
+        """Play from the stamp `start` [s], from the first tick if it is negative, or wait for calls.
+
+        Raises:
+            ValueError: both a stamp and a wait were given.
+        """
+        if wait and start >= 0.0:
+            raise ValueError(
+                f"start {start:g} s with wait: a waiting plan starts when ~/start is called; give one of them"
+            )
         self._plan, self._params, self._wait = plan, params, wait
         self._at_first_tick = start < 0.0
-        self.played = Played(plan, start) if start >= 0.0 and not wait else None
+        self.played = Played(plan, start) if start >= 0.0 else None
         """None while waiting."""
         self._measured = MeasuredPoses(plan.names)
         self._last: SwarmSetpoint | None = None  # at the newest stamp

@@ -43,7 +43,7 @@ class TrajectoryParams:
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
         -1.0,
-        "stamp at which the plan starts; negative: that of the first tick",
+        "stamp at which the plan starts, not with wait; negative: that of the first tick",
         unit="s",
         high=LAST_STAMP,
         read_only=True,
