@@ -102,6 +102,20 @@ def test_a_run_is_sampled_at_most_fifty_times_a_second_and_never_above_its_own_r
     assert packed_run(slow)["rate"] == pytest.approx(10.0)
 
 
+@pytest.mark.parametrize("rate_hz", [60.0, 120.0, 240.0])
+def test_a_run_of_any_rate_is_shown_where_and_as_fast_as_it_flew(rate_hz: float):
+    t = np.arange(5.0 * rate_hz) / rate_hz
+    pos = np.column_stack([1.8 * t, 0.0 * t, 1.0 + 0.0 * t])[:, None]
+    unknown = np.full_like(pos, np.nan)
+    never, still = np.zeros((len(t), 1), dtype=np.bool_), unknown[..., 0]
+    quat = np.full((len(t), 1, 4), np.nan)
+    straight = ReplayRun("made", ("cf1",), t, pos, quat, pos, unknown, never, unknown, still, 0.046)
+    packed = packed_run(straight)
+    assert packed["rate"] == pytest.approx(50.0)
+    found = decoded(packed["channels"]["pos"], 1, int(str(packed["count"])))
+    np.testing.assert_allclose(found[:, 0, 0], 0.036 * np.arange(len(found)), atol=0.501 * STEPS["pos"])
+
+
 def test_one_wrong_stamp_is_refused_with_its_place_and_costs_no_memory(run: ReplayRun):
     t = np.concatenate([run.t[:1], 1.7e9 + run.t[1:]])
     with pytest.raises(ValueError, match=r"span 1\.7e\+09 s, with a gap of 1\.7e\+09 s after 0 s: .*20000 s"):

@@ -12,11 +12,10 @@ from collections.abc import Mapping
 from dataclasses import asdict
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.flights.interpolated_gaps import nearest_samples
 from q2q_model.palette import VEHICLES
 from q2q_model.signals.values import Array
+from q2q_sim.replay_page.even_samples import even_quats, even_samples, even_times
 from q2q_sim.replay_page.replay_run import ReplayRun
 
 RATE_HZ = 50.0
@@ -25,10 +24,6 @@ STEPS = {"pos": 5e-4, "quat": 5e-4, "ref": 5e-4, "mocap": 5e-4, "downwash": 5e-3
 """Rounding of each quantity, in its unit: half a millimetre, 0.06 degrees, 5 mm/s^2, half a percent."""
 MISSING = 65535
 """Code of a value that was not recorded."""
-MOST_SAMPLES = 1_000_000
-"""Most samples of a run: five and a half hours at the highest rate."""
-HOLE_S = 0.05
-"""Distance from the nearest recorded tick beyond which a sample is missing [s]."""
 
 PackedValues = Mapping[str, object]
 
@@ -37,19 +32,16 @@ def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> PackedValues:
     """Return a run as plain values for JSON, sampled at `rate_hz` or its own rate, whichever is lower.
 
     Raises:
-        ValueError: the stamps span more than `MOST_SAMPLES`, as by a clock that was set.
+        ValueError: the stamps span more than fits a page, as by a clock that was set.
     """
     rate = min(rate_hz, _own_rate(run.t))
-    rows, known = _even_rows(run.t, rate)
-    channels = {name: values[rows] for name, values in _channels(run).items() if np.isfinite(values).any()}
-    for values in channels.values():
-        values[~known] = np.nan
+    at = even_times(run.t, rate)
     return {
         "name": run.name,
         "names": run.names,
         "since": run.since,
         "rate": rate,
-        "count": len(rows),
+        "count": len(at),
         "palette": VEHICLES,
         "arm": run.arm,
         "zone": asdict(run.zone),
@@ -59,22 +51,25 @@ def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> PackedValues:
         "note": run.note,
         "events": [{"t": one.t - float(run.t[0]), "words": one.words} for one in run.events],
         "outliers": _outliers(run),
-        "channels": {name: _packed(values, STEPS[name]) for name, values in channels.items()},
+        "channels": {
+            name: _packed(values, STEPS[name])
+            for name, values in _channels(run, at).items()
+            if np.isfinite(values).any()
+        },
     }
 
 
-def _channels(run: ReplayRun) -> dict[str, Array]:
-    """Return the quantities by name, (T, n, width) each."""
-    upright = np.where(run.quat[..., 3:] < 0.0, -run.quat, run.quat)  # w follows from x, y, z
-    accepted = np.where(run.rejected[..., None], np.nan, run.mocap_pos)
-    return {
+def _channels(run: ReplayRun, at: Array) -> dict[str, Array]:
+    """Return the quantities at even times by name, (T, n, width) each; w of quat follows from x, y, z."""
+    quantities = {
         "pos": run.pos,
-        "quat": upright[..., :3],
         "ref": run.ref_pos,
-        "mocap": accepted,
+        "mocap": np.where(run.rejected[..., None], np.nan, run.mocap_pos),
         "downwash": run.downwash,
         "thrust": run.thrust[..., None],
     }
+    channels = {name: even_samples(run.t, values, at) for name, values in quantities.items()}
+    return channels | {"quat": even_quats(run.t, run.quat, at)[..., :3]}
 
 
 def _outliers(run: ReplayRun) -> list[list[float]]:
@@ -86,23 +81,6 @@ def _outliers(run: ReplayRun) -> list[list[float]]:
 
 def _own_rate(t: Array) -> float:
     return float(1.0 / np.median(np.diff(t))) if len(t) > 1 else RATE_HZ
-
-
-def _even_rows(t: Array, rate: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Return the nearest row of each sample on an even grid, and whether one is near enough."""
-    _check_span(t, rate)
-    grid = t[0] + np.arange(int((t[-1] - t[0]) * rate + 1e-6) + 1) / rate  # the last stamp too, if rounded
-    rows = nearest_samples(t, grid)
-    return rows, np.abs(t[rows] - grid) <= max(HOLE_S, 1.0 / rate)
-
-
-def _check_span(t: Array, rate: float) -> None:
-    if (span := float(t[-1] - t[0])) * rate > MOST_SAMPLES:
-        at = int(np.argmax(np.diff(t)))
-        raise ValueError(
-            f"the stamps span {span:.6g} s, with a gap of {t[at + 1] - t[at]:.6g} s after {t[at]:.6g} s: "
-            f"at most {MOST_SAMPLES / rate:.6g} s are replayed (replay_page replays a part: --start, --end)"
-        )
 
 
 def _packed(values: Array, step: float) -> PackedValues:
