@@ -1,13 +1,16 @@
 """Flights that a model or an air was fitted to."""
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 from made_flights import Pass, made_flight
 
-from q2q_model.flights.copies.motion_windows import MOST, as_text, from_text, motion_windows
+from q2q_model.flights.copies.motion_windows import WINDOWS_MAX, as_text, from_text, motion_windows
 from q2q_model.flights.copies.same_flight import (
     COPY_IN_FIT,
     IN_FIT,
@@ -16,6 +19,9 @@ from q2q_model.flights.copies.same_flight import (
     is_same_flight,
 )
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
+from q2q_model.recordings.recording_reader import recording_of_table
+
+DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
 
 HOVER = 0.001
 """Noise of the positions of a hovering vehicle [m]."""
@@ -26,7 +32,8 @@ def hover(seed: int, seconds: float = 30.0) -> Flight:
     flight = made_flight(Pass(seconds=seconds))
     ticks = flight.t.size
     noise = HOVER * np.random.default_rng(seed).standard_normal((ticks, 2, 3))
-    return replace(flight, mocap_pos=np.array([[0.0, 0.0, 1.0], [0.0, 0.5, 1.0]]) + noise)
+    seen = np.array([[0.0, 0.0, 1.0], [0.0, 0.5, 1.0]]) + noise
+    return replace(flight, mocap_pos=seen, true_pos=np.full_like(seen, np.nan))
 
 
 def test_a_flight_is_known_by_its_contents_under_any_name_and_doubted_by_its_name() -> None:
@@ -74,6 +81,17 @@ def test_a_changed_copy_of_a_flight_is_the_same_flight(changed: Callable[[Flight
     assert not is_same_flight(flight_digest(changed(flight)), flight_digest(hover(1)))
 
 
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")
+def test_recorded_flights_are_known_by_their_parts_and_from_each_other() -> None:
+    flights = [recording_of_table(file).flight for file in sorted(DATA.glob("dc21_swap_ss*.parquet"))]
+    assert len(flights) == 11
+    for one in flights:
+        part = of_rows(one, slice(one.t.size // 4, None))
+        copy = replace(part, t=part.t - part.t[0], mocap_pos=part.mocap_pos + 0.123456)
+        assert is_same_flight(flight_digest(_single_precision(copy)), flight_digest(one))
+    assert not any(is_same_flight(*pair) for pair in combinations(map(flight_digest, flights), 2))
+
+
 def test_parts_that_overlap_are_the_same_flight_and_parts_that_do_not_are_two() -> None:
     flight = hover(0)
     first, middle, last = (of_rows(flight, slice(k, k + 1000)) for k in (0, 500, 2000))
@@ -94,12 +112,37 @@ def test_a_part_of_a_flight_of_an_hour_is_known_by_the_windows_that_are_kept() -
     hour, part = hover(0), hover(0)
     hour = replace(hour, mocap_pos=pos)
     part = replace(part, mocap_pos=pos[100_000:160_000])
-    assert len(motion_windows(pos)) == MOST
+    assert [len(one) for one in motion_windows(pos)] == [WINDOWS_MAX]
     assert is_same_flight(flight_digest(hour), flight_digest(part))
 
 
 def test_windows_are_read_as_they_were_written() -> None:
     windows = motion_windows(hover(0).mocap_pos)
-    assert len(windows) > 20
+    assert [len(one) > 10 for one in windows] == [True, True]
     assert from_text(as_text(windows)) == windows
-    assert from_text("no base64") == frozenset()
+    assert from_text("no base64") == ()
+
+
+def test_windows_of_a_file_that_does_not_part_them_by_vehicle_are_read() -> None:
+    flight = hover(0)
+    whole, _, windows = flight_digest(flight).partition(":")
+    pooled = f"{whole}:{as_text((frozenset().union(*from_text(windows)),))}"
+    for one in (flight, of_rows(flight, slice(5, None))):
+        assert is_same_flight(flight_digest(one), pooled)
+    assert not is_same_flight(flight_digest(hover(1)), pooled)
+
+
+def test_one_vehicle_that_flies_alike_does_not_make_two_flights_the_same() -> None:
+    flight, other = hover(0), hover(1)
+    upper = np.array([False, True])[:, None]
+    other = replace(other, mocap_pos=np.where(upper, flight.mocap_pos, other.mocap_pos))
+    assert not is_same_flight(flight_digest(flight), flight_digest(other))
+    assert is_same_flight(flight_digest(of_vehicles(flight, ("cf2",))), flight_digest(other))
+
+
+def test_simulated_flights_of_the_same_noise_are_the_same_only_if_they_are_equal() -> None:
+    flight = hover(0)
+    flight = replace(flight, true_pos=flight.mocap_pos)
+    sunk = replace(flight, mocap_pos=flight.mocap_pos - np.array([0.0, 0.0, 1e-3]))
+    assert is_same_flight(flight_digest(flight), flight_digest(replace(flight, name="copy")))
+    assert not is_same_flight(flight_digest(flight), flight_digest(sunk))

@@ -17,19 +17,22 @@ def flight_digest(flight: Flight) -> str:
     """Return "SHA-256:windows" of a flight, whatever its name is.
 
     The SHA-256 is that of vehicles, stamps and recorded positions, the windows are those of motion_windows.
-    Files of models and airs that are older than these have the first alone.
+    A simulated flight, whose true positions are known, has no windows: flights of one seed share their noise.
+    Nor have flights in older files of models and airs.
     """
     pos = flight.mocap_pos if np.isfinite(flight.mocap_pos).any() else flight.pos
     found = sha256("\0".join(flight.names).encode())
     for values in (flight.t, np.where(np.isnan(pos), np.nan, pos)):
         found.update((values + 0.0).astype("<f8").tobytes())
-    return f"{found.hexdigest()}:{as_text(motion_windows(pos))}"
+    windows = () if np.isfinite(flight.true_pos).any() else motion_windows(pos)
+    return f"{found.hexdigest()}:{as_text(windows)}"
 
 
 def is_same_flight(one: str, other: str) -> bool:
     """Return whether two digests are those of one flight, or of a flight and a part of it.
 
-    It may be cut, moved in time or place, saved in single precision, and its vehicles may be renamed.
+    A recorded flight may be cut, moved in time or place, saved in single precision, and its vehicles may be
+    renamed.
     """
     (whole, _, windows), (other_whole, _, other_windows) = one.partition(":"), other.partition(":")
     return whole == other_whole or hold_same_motion(from_text(windows), from_text(other_windows))
