@@ -87,6 +87,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/push/jet_deviation.py",
     "q2q_model/identification/push/jet_form.py",
     "q2q_model/identification/push/log_check.py",
+    "q2q_model/identification/push/log_mass_note.py",
     "q2q_model/identification/selection/model_doubts.py",
     "q2q_model/identification/gains/gain_agreement.py",
     "q2q_model/recordings/distinct_flights.py",

@@ -9,6 +9,7 @@ from made_flights import GRAVITY, Pass, made_flight
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.push.log_check import log_notes
+from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -37,11 +38,32 @@ def without_thrust(one: Recording) -> Recording:
     return replace(one, log=log)
 
 
-@pytest.mark.parametrize("mass", [0.032, 0.045])
+@pytest.mark.parametrize("mass", [0.032, 0.0326, 0.045])
 def test_a_logs_thrust_shows_the_mass_of_its_force(mass: float) -> None:
     record = push_record(logged(mass), CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
     assert record is not None
     np.testing.assert_allclose(record.push, made_flight(PASS).true_eta[..., 2], atol=1e-12)
+    assert log_mass_notes([logged(mass)], CRAZYFLIE_2_0) == []
+
+
+def test_a_thrust_that_shows_no_mass_or_an_impossible_one_is_reported() -> None:
+    whole = logged(0.032)
+    assert whole.log is not None
+    gram = 1e-3 * GRAVITY
+    grams = whole.log.values / np.where(np.array(COLUMNS) == "thrust_est", gram, 1.0)
+    in_grams = replace(whole, log=replace(whole.log, values=grams))
+    felt = whole.flight.specific_force_body
+    in_g, unfelt = (
+        replace(whole, flight=replace(whole.flight, specific_force_body=scale * felt))
+        for scale in (1.0 / GRAVITY, np.nan)
+    )
+    assert log_mass_notes([without_thrust(whole)], CRAZYFLIE_2_0) == []
+    (unknown,) = log_mass_notes([whole, unfelt], CRAZYFLIE_2_0)
+    assert "of 1 flight is unknown: faz_est is divided by the 34 g of crazyflie_2_0" in unknown
+    (far,) = log_mass_notes([in_grams], CRAZYFLIE_2_0)
+    assert "of 1 flight is 3.26 kg, allowed is 0.5 to 2 times the mass of crazyflie_2_0" in far
+    (near,) = log_mass_notes([in_g, in_g], CRAZYFLIE_2_0)
+    assert "of 2 flights is 0.314 kg" in near
 
 
 def test_without_it_the_mass_is_that_of_the_vehicle() -> None:

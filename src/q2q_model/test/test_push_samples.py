@@ -169,7 +169,7 @@ def test_motors_logged_as_pwm_saturate_where_those_logged_as_duty_do():
     for full in (1.0, 65535.0):
         scaled = values * np.array([1.0, 1.0, full, full, full, full])
         log = FlightLog(flight.t, flight.names, columns, ("",) * 6, scaled)
-        found.append(push_of_log("made", log, motion_of(flight)).saturated)
+        found.append(push_of_log("made", log, motion_of(flight), LOG_MASS).saturated)
     assert np.flatnonzero(found[0][:, 0]).tolist() == list(range(100, 120))
     assert not found[0][:, 1].any()
     np.testing.assert_array_equal(*found)
@@ -222,7 +222,8 @@ def _real(path: Path) -> PushRecord:
     pos, vel, quat = (columns(*some).transpose(2, 0, 1) for some in expected)
     logged = ("faz_est", "gap", "pwm1", "pwm2", "pwm3", "pwm4")
     log = FlightLog(t, names, logged, ("",) * 6, columns(*logged).transpose(2, 0, 1))
-    return push_of_log(path.stem, log, Motion(t, pos, vel, rotate(quat, np.array([0.0, 0.0, 1.0]))))
+    motion = Motion(t, pos, vel, rotate(quat, np.array([0.0, 0.0, 1.0])))
+    return push_of_log(path.stem, log, motion, LOG_MASS)
 
 
 def held_out(family: str, form: JetForm) -> tuple[float, float]:

@@ -48,7 +48,7 @@ def test_a_log_belongs_to_its_vehicles_and_ticks_in_any_order_and_rate(tmp_path:
     for name, (given, rows) in cases.items():
         recording = recording_of_bag(_bag(tmp_path / name, given))
         assert recording.log is not None
-        found = push_of_log(name, recording.log, motion_of(recording.flight))
+        found = push_of_log(name, recording.log, motion_of(recording.flight), LOG_MASS)
         np.testing.assert_allclose(found.push[rows], PUSH[rows], rtol=1e-12, err_msg=name)
         assert found.measured[rows].all()
         assert found.measured.sum() == 2 * rows.size
@@ -60,7 +60,7 @@ def test_rows_without_a_force_are_a_gap_of_their_vehicle_alone(tmp_path: Path):
     values[7, 0, COLUMNS.index("faz_est")] = np.nan
     recording = recording_of_bag(_bag(tmp_path / "flight", replace(log, values=values)))
     assert recording.log is not None
-    found = push_of_log("flight", recording.log, motion_of(recording.flight))
+    found = push_of_log("flight", recording.log, motion_of(recording.flight), LOG_MASS)
     assert np.argwhere(~found.measured).tolist() == [[7, 0]]
     assert np.isfinite(found.push).all()
 

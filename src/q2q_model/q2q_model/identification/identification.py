@@ -18,6 +18,7 @@ from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.push.loading import loading_of
 from q2q_model.identification.push.log_check import log_notes
+from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
@@ -176,7 +177,7 @@ def _pushes(
     pushes = [tuple(push_samples(record)) if record is not None else () for record in records]
     sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
     notes = sensor_notes([one.flight for one in recordings], vehicle)
-    notes += log_notes(recordings, vehicle)
+    notes += log_mass_notes(recordings, vehicle) + log_notes(recordings, vehicle)
     return pushes, [*notes, *lag_note(sampled, vehicle.thrust_lag)]
 
 

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.copies.same_flight import fit_remarks
 from q2q_model.identification.push.log_check import log_notes
+from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.identification.push.push_samples import (
     APART,
     FEWEST_FREE,
@@ -49,7 +50,7 @@ def run(args: Namespace) -> int:
         write_json(text, args.json)
     notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
     notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
-    notes += log_notes(recordings, flown.vehicle)
+    notes += log_mass_notes(recordings, flown.vehicle) + log_notes(recordings, flown.vehicle)
     notes += lag_note([one for one in recordings if samples[one.flight.name]], flown.vehicle.thrust_lag)
     for note in notes:
         print(f"evaluate: {note}", file=sys.stderr)

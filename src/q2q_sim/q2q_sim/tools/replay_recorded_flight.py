@@ -23,8 +23,10 @@ from q2q_model.identification.push.push_samples import (
     pooled_score,
     push_samples,
 )
-from q2q_model.identification.push.recorded_push import motion_of, push_of_log
+from q2q_model.identification.push.recorded_push import log_mass, motion_of, push_of_log
+from q2q_model.recordings.recording_reader import flight_of_bag
 from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
 from q2q_sim.air.air_names import FLIGHTS, flights_folder
 from q2q_sim.node_flights.nodes_on_bag import replay
 from q2q_sim.report.panels import save
@@ -43,11 +45,12 @@ def replay_recorded_flight(name: str, model: str, json_file: Path | None) -> int
         bag = Path(scratch) / name
         write_bag(table, bag)
         flight = replay(bag, chosen, Path(scratch) / "nodes")
-        log = read_flight_log(bag)
+        recorded, log = flight_of_bag(bag), read_flight_log(bag)
     at = np.searchsorted(flight.t, log.t)
     seen = motion_of(flight)
     motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
-    samples = push_samples(push_of_log(name, log_at(log, log.t, flight.names), motion))
+    mass = log_mass(log_at(log, recorded.t, recorded.names), recorded, vehicle_by_name(DEFAULT_VEHICLE))
+    samples = push_samples(push_of_log(name, log_at(log, log.t, flight.names), motion, mass))
     found = score_prediction(samples, flight.eta[at, :, 2])
     pushes = [
         PredictedPush(flight.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])

@@ -35,13 +35,16 @@ from q2q_model.vehicle.constants import Vehicle
 
 LOG_MASS = 0.032
 """Mass m in the logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021) [kg]."""
+LOG_MASS_WITHIN = 0.0005
+"""What the mass that such a log shows may differ from LOG_MASS by [kg]: 0.0003 at most."""
 MOST_FORCE = 2.0
 """Bound of what 95 % of the forces in a log differ from their median by, over the weight [-]: 0.03 to 0.3 in
 recorded flights of 34 g, 3.5 to 30 if those are in gram-force."""
 FULL_DUTY = 0.93
 """Duty above which a motor counts as saturated."""
 LIGHTEST, HEAVIEST = 0.5, 2.0
-"""Bounds of the median thrust in the air over the weight [-]; 0.92 to 1.3 in recorded flights of 34 g."""
+"""Bounds of the median thrust in the air, and of the mass of a log, over the vehicle's [-]; 0.92 to 1.3 in
+recorded flights of 34 g."""
 
 
 def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | None:
@@ -53,7 +56,7 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
     """
     check_upright(one.flight)
     check_weight(one.flight, vehicle)
-    log = _push_log(one)
+    log = push_log(one)
     if log is not None:
         check_force(one.flight.name, log, vehicle)
         return push_of_log(one.flight.name, log, motion_of(one.flight), log_mass(log, one.flight, vehicle))
@@ -62,12 +65,12 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
 
 def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
     """Return a note on the thrust lag [s] if the push of any flight is that of sensors and command."""
-    count = sum(_push_log(one) is None for one in recordings)
+    count = sum(push_log(one) is None for one in recordings)
     note = f"push of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
     return [note] if count else []
 
 
-def _push_log(one: Recording) -> FlightLog | None:
+def push_log(one: Recording) -> FlightLog | None:
     """Return the log of a flight if its push is in there, else None."""
     return one.log if one.log is not None and has_push_columns(one.log) else None
 
@@ -125,19 +128,30 @@ def check_force(name: str, log: FlightLog, vehicle: Vehicle) -> None:
 def log_mass(log: FlightLog, flight: Flight, vehicle: Vehicle) -> float:
     """Return the mass m by which the force in a log was computed [kg].
 
-    With thrust_est that is (faz_est + thrust_est) / (a_z + g), to a gram: 0.0320 to 0.0323 in recorded
-    flights of 0.032. Without, or if the vehicle cannot have that mass, it is the vehicle's.
+    It is the one that the log shows, or the vehicle's if it shows none or the vehicle cannot have that.
     """
-    if "thrust_est" not in log.columns:
+    shown = shown_mass(log, flight)
+    if not can_weigh(vehicle, shown):
         return vehicle.mass
+    return LOG_MASS if abs(shown - LOG_MASS) < LOG_MASS_WITHIN else shown
+
+
+def shown_mass(log: FlightLog, flight: Flight) -> float:
+    """Return the median (faz_est + thrust_est) / (a_z + g) of a log [kg]; NaN without one of these."""
+    if "thrust_est" not in log.columns:
+        return float("nan")
     felt = rotate(flight.quat, flight.specific_force_body)[..., 2]
     ratio = (log.column("faz_est") + log.column("thrust_est")) / felt
     known = ratio[np.isfinite(ratio)]
-    mass = round(float(np.median(known)), 3) if known.size else vehicle.mass
-    return mass if LIGHTEST <= mass / vehicle.mass <= HEAVIEST else vehicle.mass
+    return float(np.median(known)) if known.size else float("nan")
 
 
-def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float = LOG_MASS) -> PushRecord:
+def can_weigh(vehicle: Vehicle, mass: float) -> bool:
+    """Return whether a vehicle may have a mass [kg]; False for NaN."""
+    return LIGHTEST <= mass / vehicle.mass <= HEAVIEST
+
+
+def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float) -> PushRecord:
     """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion.
 
     `mass` is m of its force [kg].

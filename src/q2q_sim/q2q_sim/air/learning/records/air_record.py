@@ -16,6 +16,7 @@ from q2q_model.flights.flight_log import MOTORS, motor_duty
 from q2q_model.flights.outliers import repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.identification.push.push_samples import (
     APART,
     FEWEST_FREE,
@@ -97,7 +98,7 @@ def air_records(
         vehicle: the vehicle that flew.
         lag: time constant of thrust [s].
     """
-    found, notes = [], []
+    found, notes = [], log_mass_notes(recordings, vehicle)
     for one in recordings:
         record = _record(one, vehicle, lag)
         if record is None:
