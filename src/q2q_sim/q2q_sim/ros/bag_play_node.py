@@ -5,13 +5,13 @@ The node exits at the end of the bag.
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -27,10 +27,11 @@ from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.topic_names import PLAYBACK_OVER
-from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.bag_topics.awaited_tick import AwaitedTick, awaited_type, check_awaited, played_tick_topics
+from q2q_sim.bag_topics.play_params import PlayParams
 from q2q_sim.bag_topics.playback import PAUSE_S, Playback
 from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
+from q2q_sim.bag_topics.subscriber_wait import SubscriberWait
 from q2q_sim.bag_topics.tick_messages import TickMessages
 from q2q_sim.bag_topics.topics import has_one_writer
 
@@ -41,36 +42,10 @@ LOOK_S = 0.1
 """Period of the check for unanswered ticks [s]."""
 ACKNOWLEDGE_S = 10.0
 """Longest wait at the end of the bag for readers that have not taken every message [s]."""
+MATCH_S = 0.05
+"""Period of the check for matched subscribers before the start [s]."""
 BEAT_S = 0.001
 """Period of the check for due messages [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class PlayParams:
-    """Parameters of the node."""
-
-    bag: str = tunable("", "bag folder to play", read_only=True)
-    rate: float = tunable(
-        1.0, "speed of playback, in seconds of the bag per second", low=0.001, high=1000.0, read_only=True
-    )
-    start: float = tunable(0.0, "seconds of the bag to skip", unit="s", low=0.0, read_only=True)
-    loop: bool = tunable(False, "start again at the end of the bag", read_only=True)  # noqa: FBT003
-    topics: tuple[str, ...] = tunable((), "topics to play; empty: all", read_only=True)
-    topic_map: str = tunable(
-        "", "topic map of a bag that q2q did not record, as identify --topics", read_only=True
-    )
-    clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
-    wait_for: str = tunable(
-        "",
-        "topic whose message with the stamp of a tick lets all messages of the next one be played; "
-        "empty: by rate",
-        read_only=True,
-    )
-    autostart: bool = tunable(True, "play at once; false: wait for ~/start", read_only=True)  # noqa: FBT003
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
 
 
 class Player:
@@ -105,13 +80,29 @@ class Player:
         publish_health(node, self._health, self._look)
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
+        self._answers: Subscription | None = None
         if self._params.wait_for:
             kind = message_class(awaited_type(self._params.wait_for))
-            node.create_subscription(kind, self._params.wait_for, self._on_answer, TICK, raw=True)
+            awaited = self._params.wait_for
+            self._answers = node.create_subscription(kind, awaited, self._on_answer, TICK, raw=True)
             steady_timer(node, LOOK_S, self._on_stall)
         else:
             steady_timer(node, BEAT_S, self._on_beat)
         if self._params.autostart:
+            self._wait = SubscriberWait(monotonic())
+            self._waiting = steady_timer(node, MATCH_S, self._on_wait)
+
+    def _on_wait(self) -> None:
+        """Begin once those who read, and who answer, are matched."""
+        late = self._writers.keys() - self._messages.latched  # whoever comes late has a latched message
+        matches = {topic: self._writers[topic].get_subscription_count() for topic in sorted(late)}
+        if self._answers is not None:
+            matches[self._params.wait_for] = self._answers.get_publisher_count()
+        if not self._begun and not self._wait.is_over(monotonic(), matches):
+            return
+        self._waiting.cancel()
+        if not self._begun:
+            self._node.get_logger().info(self._wait.note())
             self._begin()
 
     def _look(self) -> Mapping[str, str]:
