@@ -154,7 +154,7 @@ def test_answers_to_ticks_need_a_tick_after_the_start(tmp_path: Path) -> None:
     given = tmp_path / "longer", "loop:=true", "start:=2.0"
     with waiting_player(*given) as player:
         player._begin()
-    refusal = r"parameter start = 2 s: the bag lasts 0\.0 s"
+    refusal = r"parameter start = 2 s: the last message on /mocap is 0\.0 s after the bag's first"
     with pytest.raises(ValueError, match=refusal), waiting_player(*given, "wait_for:=interference"):
         pass
 

@@ -7,7 +7,6 @@ import pytest
 from q2q_model.bag import BagReader, BagWriter, OfferedQos
 from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
 
-SECONDS = range(0, 4_000_000_000, 1_000_000_000)
 STRING = "std_msgs/msg/String"
 
 
@@ -39,13 +38,43 @@ def test_the_chosen_topics_are_played_with_or_without_their_first_slash() -> Non
         played_topics(recorded, ("state", "mocap"))
 
 
-@pytest.mark.parametrize("start", [0.0, 0.5, 3.0])
-def test_a_start_within_the_bag_is_fine(start: float) -> None:
-    check_start((5_000_000_000 + stamp for stamp in SECONDS), start)
+def late_frames(bag: Path) -> BagReader:
+    """Write a bag of words at 5 s to 8 s, and of frames at 7 s."""
+    with BagWriter(bag) as writer:
+        writer.add_topic("/words", STRING)
+        writer.add_topic("/mocap", STRING)
+        for second in (5, 7, 8):
+            writer.write_raw("/mocap" if second == 7 else "/words", second * 1_000_000_000, b"")
+    return BagReader(bag)
 
 
-def test_a_start_after_the_end_and_an_empty_bag_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"parameter start = 3\.1 s: the bag lasts 3\.0 s"):
-        check_start(SECONDS, 3.1)
+def test_a_start_counts_from_the_first_message_of_the_bag_whatever_is_played(tmp_path: Path) -> None:
+    bag = late_frames(tmp_path / "bag")
+    for topics, played_ns in (({"/mocap"}, 7_000_000_000), ({"/words"}, 8_000_000_000)):
+        messages = PlayedMessages(bag, played_topics(bag.topics, topics), 1.5)
+        messages.rewind()
+        assert messages.next is not None
+        assert (messages.begin_ns, messages.next.stamp_ns) == (6_500_000_000, played_ns)
+
+
+@pytest.mark.parametrize("start", [0.0, 1.5, 2.0])
+def test_a_start_up_to_the_last_message_is_fine(tmp_path: Path, start: float) -> None:
+    check_start(late_frames(tmp_path / "bag"), {"/mocap"}, start)
+
+
+def test_a_start_after_the_last_message_and_an_empty_bag_are_refused(tmp_path: Path) -> None:
+    bag = late_frames(tmp_path / "bag")
+    for topic, start, last in (("/mocap", 2.1, r"2\.0"), ("/words", 3.1, r"3\.0")):
+        refusal = rf"start = {start} s: the last message on {topic} is {last} s after the bag's first"
+        with pytest.raises(ValueError, match=refusal):
+            check_start(bag, {topic}, start)
+    with BagWriter(tmp_path / "empty") as writer:
+        writer.add_topic("/words", STRING)
+    with BagWriter(tmp_path / "silent") as writer:
+        writer.add_topic("/words", STRING)
+        writer.add_topic("/mocap", STRING)
+        writer.write_raw("/words", 5, b"")
+    with pytest.raises(ValueError, match="no message to play: none on /mocap"):
+        check_start(BagReader(tmp_path / "silent"), {"/mocap"}, 0.0)
     with pytest.raises(ValueError, match="no message to play"):
-        check_start((), 0.0)
+        check_start(BagReader(tmp_path / "empty"), {"/words"}, 0.0)

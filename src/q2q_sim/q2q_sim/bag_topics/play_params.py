@@ -13,7 +13,13 @@ class PlayParams:
     rate: float = tunable(
         1.0, "speed of playback, in seconds of the bag per second", low=0.001, high=1000.0, read_only=True
     )
-    start: float = tunable(0.0, "seconds of the bag to skip", unit="s", low=0.0, read_only=True)
+    start: float = tunable(
+        0.0,
+        "seconds to skip from the first message of the bag, played or not",
+        unit="s",
+        low=0.0,
+        read_only=True,
+    )
     loop: bool = tunable(False, "start again at the end of the bag", read_only=True)  # noqa: FBT003
     topics: tuple[str, ...] = tunable((), "topics to play; empty: all", read_only=True)
     topic_map: str = tunable(

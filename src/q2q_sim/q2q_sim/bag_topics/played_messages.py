@@ -13,22 +13,21 @@ class PlayedMessages:
     """Position in a bag: `next` is the message to play, None at the end."""
 
     def __init__(self, bag: BagReader | MappedBag, topics: Mapping[str, str], start: float) -> None:
-        """Take the topics to play with their types, and the seconds of the bag to skip [s]."""
+        """Take the topics to play with their types, and the seconds of the whole bag to skip [s]."""
         self.next: RawMessage | None = None
         self.damage: BagError | None = None
         """Damage at which the bag ends, once it is reached."""
-        self.begin_ns = 0
-        """Bag time of the start, once it is reached [ns]."""
+        self.begin_ns = _bag_begin_ns(bag) + round(start * 1e9)
+        """Bag time of the start [ns]."""
         self.latched = {one for one, kind in topics.items() if one in bag.latched or is_latched(one, kind)}
         """Topics that are played latched."""
-        self._bag, self._topics, self._start = bag, set(topics), start
+        self._bag, self._topics = bag, set(topics)
         self._messages: Iterator[RawMessage] = iter(())
 
     def rewind(self) -> Iterable[RawMessage]:
         """Go to the start; return the last message before it of each latched topic."""
         self._messages = self._bag.raw(self._topics)
         self.advance()
-        self.begin_ns = self.next.stamp_ns + round(self._start * 1e9) if self.next else 0
         last: dict[str, RawMessage] = {}
         while self.next is not None and self.next.stamp_ns < self.begin_ns:
             if self.next.topic in self.latched:
@@ -58,15 +57,27 @@ def played_topics(recorded: Mapping[str, str], chosen: Collection[str]) -> dict[
     return {topic: kind for topic, kind in recorded.items() if not wanted or topic.strip("/") in wanted}
 
 
-def check_start(stamps: Iterable[int], start: float) -> None:
-    """Raise ValueError if there is no message, or none from `start` [s] on; `stamps` rise [ns]."""
-    left = iter(stamps)
-    first = next(left, None)
+def check_start(bag: BagReader | MappedBag, topics: Collection[str], start: float) -> None:
+    """Raise ValueError if no message of these topics is `start` [s] after the first of the bag, or later."""
+    begin_ns, last_ns = _bag_begin_ns(bag), None
+    for message in bag.raw(topics):
+        last_ns = message.stamp_ns
+        if last_ns >= begin_ns + round(start * 1e9):
+            return
+    names = ", ".join(sorted(topics))
+    if last_ns is None:
+        raise ValueError(f"the bag has no message to play: none on {names}")
+    last = f"the last message on {names} is {(last_ns - begin_ns) * 1e-9:.1f} s after the bag's first"
+    raise ValueError(f"parameter start = {start:g} s: {last}")
+
+
+def _bag_begin_ns(bag: BagReader | MappedBag) -> int:
+    """Return the bag time of the first message of any topic [ns].
+
+    Raises:
+        ValueError: the bag is empty.
+    """
+    first = next(bag.raw(bag.topics), None)
     if first is None:
         raise ValueError("the bag has no message to play")
-    since, begin = 0, round(start * 1e9)
-    while since < begin:
-        later = next(left, None)
-        if later is None:
-            raise ValueError(f"parameter start = {start:g} s: the bag lasts {since / 1e9:.1f} s")
-        since = later - first
+    return first.stamp_ns

@@ -65,7 +65,7 @@ class Player:
         check_awaited(self._params.wait_for, wanted)
         self._ticks, self._tick_topics = AwaitedTick(), played_tick_topics(wanted, self._params.wait_for)
         waited = self._tick_topics if self._params.wait_for else set(wanted)
-        check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
+        check_start(self._reader, waited, self._params.start)
         self._messages = PlayedMessages(self._reader, wanted, self._params.start)
         self._tick_messages = TickMessages(self._messages, self._tick_topics)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
