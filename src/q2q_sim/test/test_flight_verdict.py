@@ -152,20 +152,22 @@ def test_what_is_said_of_a_flight_is_the_same_whenever_its_clock_began(
 def test_what_is_said_of_a_part_has_the_times_of_the_whole() -> None:
     status = np.zeros((TICKS, 2))
     status[T > 7.995] = np.nan
-    part = of_rows(flown(moved(5.6, 5.8, 1, (0.0, 0.1, 1.0)), status=status), slice(500, None))
+    whole = flown(moved(5.6, 5.8, 1, (0.0, 0.1, 1.0)), status=status)
+    part = of_rows(whole, slice(500, None))
     said = (
         "cf1 and cf2 collided at 5.6 s, 0.10 m apart; commands ended at 8.0 s of 10.0 s; "
         "200 of 500 ticks were missed"
     )
-    assert str(verdict_of(part, AROUND, begin=0.0)) == said
-    assert replay_run(part, CRAZYFLIE_2_0, since=5.0).verdict.endswith(f"; {said}")
+    assert str(verdict_of(part, AROUND, whole=whole)) == said
+    assert replay_run(part, CRAZYFLIE_2_0, whole=whole).verdict.endswith(f"; {said}")
 
 
 def test_a_part_of_a_flight_is_not_flown_to_the_end() -> None:
-    part = of_rows(flown(), slice(0, 500))
+    whole = flown()
+    part = of_rows(whole, slice(0, 500))
     said = "ok: 5.0 s judged, a part of the flight"
-    assert str(verdict_of(part, AROUND, begin=0.0)) == said
-    assert replay_run(part, CRAZYFLIE_2_0, since=0.0).verdict.endswith(f"; {said}")
+    assert str(verdict_of(part, AROUND, whole=whole)) == said
+    assert replay_run(part, CRAZYFLIE_2_0, whole=whole).verdict.endswith(f"; {said}")
     assert replay_run(flown(), CRAZYFLIE_2_0).verdict.endswith("; ok: 10.0 s flown to the end")
 
 
@@ -200,7 +202,39 @@ def test_a_vehicle_that_is_flown_blind_to_the_end_is_reported() -> None:
     assert output(flown(status=status)) == "cf2 was flown blind from 9.0 s to the end"
     status[T < 8.995, 1] = CommandStatus.LEVEL
     status[T >= 9.495, 1] = CommandStatus.LEVEL
-    assert output(flown(status=status)) == "cf2 was flown blind from 0.0 s to the end"
+    assert output(flown(status=status)) == "cf2 was never measured"
+    down = moved(3.0, 20.0, 1, (0.0, 1.0, 0.0))
+    status[T >= 3.0, 1] = CommandStatus.LAND
+    assert output(flown(down, status=status)) == "cf2 was never measured; cf2 landed blind at 3.0 s"
+    status[T >= 3.0, 1] = CommandStatus.CUT
+    assert output(flown(down, status=status)) == "cf2 was never measured; cf2's motors were cut at 3.0 s"
+    status[:, 1] = CommandStatus.CUT
+    assert output(flown(status=status)) == "cf2's motors were cut at 0.0 s"
+
+
+def test_a_part_in_which_a_vehicle_is_blind_is_no_failure_of_a_flight_in_which_it_was_seen_again() -> None:
+    status = np.zeros((TICKS, 2))
+    status[(T >= 2.995) & (T < 4.995), 1] = CommandStatus.LEVEL
+    status[(T >= 3.995) & (T < 4.995), 1] = CommandStatus.LAND
+    whole = flown(status=status)
+    assert output(whole) == "ok: 10.0 s flown to the end"
+    for rows, length in ((slice(0, 450), 4.5), (slice(320, 380), 0.6), (slice(420, 450), 0.3)):
+        said = f"ok: {length} s judged, a part of the flight"
+        assert str(verdict_of(of_rows(whole, rows), AROUND, whole=whole)) == said
+    to_the_end = flown(status=np.where(T[:, None] >= 8.995, [0, CommandStatus.LAND], 0))
+    said = "cf2 was flown blind from 9.0 s to the end"
+    assert str(verdict_of(of_rows(to_the_end, slice(500, None)), AROUND, whole=to_the_end)) == said
+    level = flown(status=np.where(T[:, None] >= 8.995, [0, CommandStatus.LEVEL], 0))
+    said = "ok: 0.5 s judged, a part of the flight"
+    assert str(verdict_of(of_rows(level, slice(950, None)), AROUND, whole=level)) == said
+
+
+def test_commands_that_come_again_after_a_part_have_not_ended() -> None:
+    status = np.zeros((TICKS, 2))
+    status[(T >= 2.995) & (T < 3.695)] = np.nan
+    whole = flown(status=status)
+    said = "70 of 370 ticks were missed"
+    assert str(verdict_of(of_rows(whole, slice(0, 370)), AROUND, whole=whole)) == said
 
 
 def test_what_was_not_recorded_is_not_judged_and_reported() -> None:

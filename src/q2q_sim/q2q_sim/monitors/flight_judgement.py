@@ -3,8 +3,8 @@
 | finding | judged by |
 |---|---|
 | a vehicle hit the floor | policy `floor` |
-| a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
-| a vehicle was flown blind to the end | its last command LAND, or none but LEVEL and LAND |
+| a vehicle landed without feedback, was flown blind to the end, or was never measured | sent_down.py |
+| motors were cut | sent_down.py |
 | two vehicles collided | policy `separation` |
 | a vehicle left its path | policy `setpoint_error` |
 | commands ended before the flight | a vehicle's last command older than the firmware's watchdog, 0.5 s |
@@ -14,7 +14,8 @@
 
 The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Policies
 exempt vehicles that no command can hold; what happened to them is a failure here, with that reason. Times in
-words are those since the first tick of the recording.
+words are those since the first tick of the recording. How vehicles and commands ended is said only of what
+reaches the recording's end.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,16 +24,17 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.signals.values import CommandStatus, Mask
+from q2q_model.signals.values import Mask
 from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.monitors.flight_verdict import Finding, FlightVerdict
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.floor import floor, touches_floor
+from q2q_sim.monitors.policies.floor import floor
 from q2q_sim.monitors.policies.separation import separation
 from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
 from q2q_sim.monitors.policies.tracking import setpoint_error
 from q2q_sim.monitors.recording_end import recorded_duration
+from q2q_sim.monitors.sent_down import sent_down
 
 MISSED_SHARE = 0.01
 """Largest fraction of ticks without a command in time [-]."""
@@ -50,7 +52,7 @@ def verdict_of(
     flight: Flight,
     circumstances: Circumstances,
     missed_ticks: int | None = None,
-    begin: float | None = None,
+    whole: Flight | None = None,
 ) -> FlightVerdict:
     """Return the verdict on a flight.
 
@@ -58,16 +60,16 @@ def verdict_of(
         flight: recording of the flight.
         circumstances: its vehicle and faults, as for the policies.
         missed_ticks: ticks whose command was late or missing; None counts those without a command.
-        begin: stamp of the first tick of the whole recording, if this is a part of it [s].
+        whole: the whole recording, if this is a part of it.
     """
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
-    trace, is_part = trace_from_arrays(flight), begin is not None
-    begin = float(flight.t[0]) if begin is None else begin
+    trace, stamps = trace_from_arrays(flight), (whole or flight).t
+    begin, is_part = float(stamps[0]), len(flight.t) < len(stamps)
     found = [
         *_broken(trace, circumstances, begin),
-        *_sent_down(trace, circumstances, begin),
-        *_commands_ended(trace, begin),
+        *sent_down(trace, circumstances.limits, stamps),
+        *(_commands_ended(trace, begin) if trace.t[-1] == stamps[-1] else ()),
         *_missed(trace, missed_ticks),
     ]
     found.sort(key=lambda one: one.t)
@@ -91,33 +93,6 @@ def _words(broken: Violation, begin: float) -> str:
         return text
     measure = "apart" if broken.policy == "separation" else "from its setpoint"
     return f"{text}, {broken.value:.2f} m {measure}"
-
-
-def _sent_down(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
-    """Yield the vehicles that their controller brought down, away from their plan."""
-    status = trace.command_status
-    landed = touches_floor(trace, circumstances.limits)
-    for row, name in enumerate(trace.names):
-        ends = {
-            "motors were cut": status[:, row] == CommandStatus.CUT,
-            "landed blind": (status[:, row] == CommandStatus.LAND) & landed[:, row],
-        }
-        first = {words: trace.t[mask][0] for words, mask in ends.items() if mask.any()}
-        if not first and (blind := _blind_to_the_end(trace, row)) is not None:
-            yield Finding(blind, f"{name} was flown blind from {blind - begin:.1f} s to the end")
-        for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
-            owner = f"{name}'s" if words.startswith("motors") else name
-            yield Finding(float(t), f"{owner} {words} at {t - begin:.1f} s")
-
-
-def _blind_to_the_end(trace: FlightTrace, row: int) -> float | None:
-    """Return since when a vehicle had no feedback [s], if it was landing at the end or never had any."""
-    given = np.isfinite(trace.command_status[:, row])
-    t, status = trace.t[given], trace.command_status[given, row]
-    seen = np.flatnonzero(~np.isin(status, (CommandStatus.LEVEL, CommandStatus.LAND)))
-    if not len(t) or (len(seen) and status[-1] != CommandStatus.LAND):
-        return None
-    return float(t[seen[-1] + 1 if len(seen) else 0])
 
 
 def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:

@@ -93,7 +93,7 @@ def replay_run(
     vehicle: Vehicle,
     name: str = "",
     verdict: FlightVerdict | None = None,
-    since: float | None = None,
+    whole: Flight | None = None,
 ) -> ReplayRun:
     """Return the run of a flight of `vehicle`s.
 
@@ -102,7 +102,7 @@ def replay_run(
         vehicle: what flew.
         name: name of the run; empty is the flight's own.
         verdict: verdict on the flight; None judges it here.
-        since: time of its first tick, if `flight` is a part of a longer one [s].
+        whole: the whole flight, if `flight` is a part of it.
 
     Raises:
         ValueError: the flight has no position of any vehicle.
@@ -111,9 +111,8 @@ def replay_run(
     if not np.isfinite(pos).any():
         raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
     if verdict is None:
-        begin = None if since is None else float(flight.t[0]) - since
-        verdict = verdict_of(flight, Circumstances(vehicle=vehicle), begin=begin)
-    since = since or 0.0
+        verdict = verdict_of(flight, Circumstances(vehicle=vehicle), whole=whole)
+    since = float(flight.t[0] - (whole or flight).t[0])
     loss = height_loss_text(flight, pos, _reference(flight), since)
     return ReplayRun(
         name=name or flight.name,

@@ -51,15 +51,13 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
         print(f"replay_page: {flown.note}", file=sys.stderr)
     whole = recording.flight
     check_weight(whole, flown.vehicle)
-    part, begin = part_of_flight(whole, args.start, args.end), float(whole.t[0])
+    part = part_of_flight(whole, args.start, args.end)
     around = Circumstances(vehicle=flown.vehicle, faults=flown_faults(path))
-    is_part = len(part.t) < len(whole.t)
-    verdict = verdict_of(part, around, begin=begin if is_part else None)
+    verdict = verdict_of(part, around, whole=whole)
     facts = FlightFacts() if is_table else read_facts(path)
     if part.t[-1] == whole.t[-1] and not is_table:
         verdict = with_end(verdict, whole, facts.duration, is_cut=BagReader(path).is_cut)
-    since = float(part.t[0]) - begin
-    run = in_air(replay_run(part, flown.vehicle, name, verdict, since), facts.flown_air)
+    run = in_air(replay_run(part, flown.vehicle, name, verdict, whole), facts.flown_air)
     return with_measured_downwash(run, lambda: measured_push(recording, flown.vehicle))
 
 

@@ -89,7 +89,7 @@ def replay_of(ignoring: FlightRun, aware: FlightRun) -> Markup:
     runs = []
     for run in (ignoring, aware):
         part, name = part_of_flight(run.flight, start, end), MODE_WORDS[run.request.mode]
-        runs.append(in_air(replay_run(part, flown.vehicle, name, since=start), flown.air or flown.wake))
+        runs.append(in_air(replay_run(part, flown.vehicle, name, whole=run.flight), flown.air or flown.wake))
     return Markup(replay_element(runs))
 
 

@@ -1,0 +1,60 @@
+"""Vehicles that their controller brought down, away from their plan, or flew without feedback to the end.
+
+| finding | commands |
+|---|---|
+| motors were cut | CUT |
+| landed blind | LAND on the floor |
+| was never measured | from the first to the last, or to CUT, LEVEL or LAND |
+| was flown blind to the end | the last is LAND |
+
+Only the whole recording shows that a vehicle was never measured, and only a part up to its end how it ended.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from q2q_model.signals.values import Array, CommandStatus
+from q2q_sim.monitors.flight_verdict import Finding
+from q2q_sim.monitors.policies import Limits
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.floor import touches_floor
+
+BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
+"""Commands without feedback."""
+
+
+def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Finding]:
+    """Yield the vehicles sent down or flown blind; `stamps` are those of the whole recording [s], (K,)."""
+    begin, is_whole, reaches_end = stamps[0], len(trace.t) == len(stamps), trace.t[-1] == stamps[-1]
+    down = touches_floor(trace, limits)
+    for row, name in enumerate(trace.names):
+        status = trace.command_status[:, row]
+        never = is_whole and _is_never_measured(status)
+        if never:
+            yield Finding(float(trace.t[0]), f"{name} was never measured")
+        ends = {
+            f"{name}'s motors were cut": status == CommandStatus.CUT,
+            f"{name} landed blind": (status == CommandStatus.LAND) & down[:, row],
+        }
+        first = {words: float(trace.t[mask][0]) for words, mask in ends.items() if mask.any()}
+        for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
+            yield Finding(t, f"{words} at {t - begin:.1f} s")
+        if reaches_end and not first and not never and (since := _blind_since(trace.t, status)) is not None:
+            yield Finding(since, f"{name} was flown blind from {since - begin:.1f} s to the end")
+
+
+def _is_never_measured(status: Array) -> bool:
+    """Return whether none of a vehicle's commands, (T,), has feedback, and some are not CUT."""
+    flown = status[np.isfinite(status) & (status != CommandStatus.CUT)]
+    return bool(len(flown)) and bool(np.isin(flown, BLIND).all())
+
+
+def _blind_since(t: Array, status: Array) -> float | None:
+    """Return since when a vehicle had no feedback [s], if its last command is LAND; t and status are (T,)."""
+    given = np.isfinite(status)
+    t, status = t[given], status[given]
+    if not len(t) or status[-1] != CommandStatus.LAND:
+        return None
+    seen = np.flatnonzero(~np.isin(status, BLIND))
+    return float(t[seen[-1] + 1 if len(seen) else 0])
