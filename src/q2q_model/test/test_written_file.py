@@ -3,6 +3,7 @@
 import errno
 import os
 import resource
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -44,6 +45,74 @@ def full_after(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o644, 0o755])
+def test_a_file_keeps_its_permissions(mode: int, tmp_path: Path) -> None:
+    file = tmp_path / "numbers.json"
+    file.write_text("old")
+    file.chmod(mode)
+    write_text("new", file)
+    assert (stat.S_IMODE(file.stat().st_mode), file.read_text()) == (mode, "new")
+
+
+def test_a_new_file_has_the_permissions_of_others_that_are_opened(tmp_path: Path) -> None:
+    (tmp_path / "opened").write_text("")
+    write_text("new", tmp_path / "written")
+    assert (tmp_path / "written").stat().st_mode == (tmp_path / "opened").stat().st_mode
+
+
+def test_a_file_of_two_names_keeps_both(tmp_path: Path) -> None:
+    (tmp_path / "one").write_text("old")
+    (tmp_path / "two").hardlink_to(tmp_path / "one")
+    write_text("new", tmp_path / "one")
+    assert (tmp_path / "two").read_text() == "new"
+
+
+def test_a_file_that_may_not_be_written_is_not_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is opened in place, which the system refuses; not to root, whose rights are denied here."""
+    file = tmp_path / "numbers.json"
+    file.write_text("old")
+    before = file.stat().st_ino
+    monkeypatch.setattr(os, "access", lambda path, _mode: Path(path) != file)
+    write_text("new", file)
+    assert file.stat().st_ino == before
+
+
+def test_a_mount_point_is_written_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "numbers.json"
+    file.write_text("old")
+    monkeypatch.setattr(Path, "replace", raising(OSError(errno.EBUSY, "Device or resource busy")))
+    write_text("new", file)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {file.name: "new"}
+
+
+def test_an_interrupt_leaves_what_was_there_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "numbers.json"
+    file.write_text("old")
+    monkeypatch.setattr(Path, "replace", raising(KeyboardInterrupt()))
+    with pytest.raises(KeyboardInterrupt):
+        write_text("new", file)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {file.name: "old"}
+
+
+def test_the_longest_name_is_written_and_a_longer_one_named(tmp_path: Path) -> None:
+    longest = tmp_path / ("x" * 255)
+    write_text("new", longest)
+    assert longest.read_text() == "new"
+    with pytest.raises(OSError, match=f"File name too long: '{longest}x'"):
+        write_text("new", tmp_path / ("x" * 256))
+
+
+def raising(error: BaseException) -> Callable[..., None]:
+    """Return a function that raises an error."""
+
+    def raise_it(*_: object, **__: object) -> None:
+        raise error
+
+    return raise_it
 
 
 @pytest.mark.parametrize("before", [None, "old"])
