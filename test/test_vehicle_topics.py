@@ -32,6 +32,23 @@ def test_a_vehicle_that_was_never_seen_or_is_lost_has_no_pose_and_one_that_is_mi
     assert node.published.get("cf2/pose", []) == []
 
 
+def test_the_pose_of_a_vehicle_that_was_never_upright_is_level_as_that_of_a_lone_marker() -> None:
+    node = RoomNode("mocap_filter", {"vehicles": ("cf1",), "vehicle_topics_hz": 1000.0}, {})
+    mocap_filter_node.build(node)
+    for k in range(20):
+        frame = MocapFrame(
+            0.01 * k, ("cf1",), np.array([[1.0, 2.0, 0.01 * k]]), np.array([[1.0, 0.0, 0.0, 0.0]])
+        )
+        node.takers["mocap"](encode(frame, 10**7 * k))
+    pose, moved = (node.published[f"cf1/{topic}"][-1] for topic in ("pose", "odom"))
+    assert isinstance(pose, PoseStamped)
+    assert isinstance(moved, Odometry)
+    quat, speed = pose.pose.orientation, moved.twist.twist.linear
+    assert (quat.x, quat.y, quat.z, quat.w) == (0.0, 0.0, 0.0, 1.0)
+    assert pose.pose.position.z == pytest.approx(0.19, abs=0.005)
+    assert (speed.x, speed.y, speed.z) == pytest.approx((0.0, 0.0, 1.0), abs=0.1)
+
+
 def test_no_pose_is_older_than_the_last_unless_the_clock_is_set_back_for_a_tenth_of_a_second() -> None:
     node = RoomNode("mocap_filter", {"vehicles": ("cf1",), "vehicle_topics_hz": 1000.0}, {})
     mocap_filter_node.build(node)

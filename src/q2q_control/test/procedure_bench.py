@@ -44,6 +44,7 @@ class Bench:
     reports: tuple[VehicleReport, ...] = (WELL, replace(WELL, name="cf2"))
     plan: PlanOutline | None = PLAN
     cut: Names = ()
+    without_attitude: Names = ()
     refuses: dict[Act, str] = field(default_factory=dict)
     stuck: set[Act] = field(default_factory=set)
     sent: list[Order] = field(default_factory=list)
@@ -60,7 +61,7 @@ class Bench:
         """Return what the procedure sees now."""
         return Observation(
             self.reports, self.pos, self.vel, np.full(2, self.t - self.seen_at), self.setpoint_pos,
-            self.setpoint_vel, self.t - self.heard_at, self.plan, self.cut,
+            self.setpoint_vel, self.t - self.heard_at, self.plan, self.cut, self.without_attitude,
         )  # fmt: skip
 
     def call(self, call: Call) -> Reply | None:

@@ -80,6 +80,20 @@ def test_vehicles_whose_controller_is_cut_are_not_flown(step: Step, call: Call) 
     assert bench.sent == []
 
 
+@pytest.mark.parametrize(
+    ("step", "call"), [(Step.CHECKED, Call.TAKE_OFF), (Step.CHECKED, Call.START), (Step.HOVER, Call.FLY)]
+)
+def test_vehicles_without_an_attitude_are_not_flown(step: Step, call: Call) -> None:
+    bench = up_to(step)
+    bench.without_attitude = ("cf2",)
+    answer = bench.call(call)
+    assert answer is not None
+    assert not answer.granted
+    assert answer.reason.startswith("cf2 was never measured upright: are its quaternions x, y, z, w")
+    bench.wait(2.0)
+    assert bench.sent == []
+
+
 @pytest.mark.parametrize("step", [Step.HOVER, Step.HOLD])
 @pytest.mark.parametrize(
     ("found", "why"),

@@ -230,33 +230,6 @@ def test_an_axis_flip_is_refused_after_a_gap_that_would_allow_any_turn() -> None
     )  # upright: accepted
 
 
-def test_a_first_attitude_upside_down_is_refused_and_the_first_upright_one_is_taken():
-    block, tilted = MocapFilter(MocapFilterParams(), PAIR), np.tile(quat_from_euler(1.5, 0.0, 2.0), (2, 1))
-    flipped = quat_multiply(tilted, quat_from_euler(0.0, np.pi, 0.0))
-    for tick in range(10):
-        state = block.update(frame_at(tick, quat=flipped))
-        assert np.array_equal(state.quat, identity_quat((2,)))
-    state = block.update(frame_at(10, quat=tilted))
-    assert np.allclose(np.abs(np.sum(state.quat * tilted, axis=-1)), 1.0, atol=1e-12)
-    assert block.report.attitudes_refused == 20
-
-
-def test_a_vehicle_that_was_never_upright_is_lost_and_where_it_is_until_it_is_upright():
-    block, upright = MocapFilter(MocapFilterParams(), PAIR), quat_from_euler(0.1, 0.0, 1.0)
-    scalar_first = np.stack([upright[[3, 0, 1, 2]], upright])
-    for tick in range(500):
-        state = block.update(frame_at(tick, quat=scalar_first))
-        assert list(state.status) == [LOST, TRACKED if tick else COASTING]
-        assert state.age.tolist() == [np.inf, 0.0]
-        assert np.array_equal(state.quat[0], identity_quat())
-        assert not state.vel[0].any()
-    np.testing.assert_allclose(state.pos, truth_at(499)[0], atol=0.01)
-    state = block.update(frame_at(500, quat=np.tile(upright, (2, 1))))
-    assert list(state.status) == [TRACKED, TRACKED]
-    assert state.age.tolist() == [0.0, 0.0]
-    np.testing.assert_allclose(state.quat[0], upright, atol=1e-12)
-
-
 def test_a_lone_marker_has_a_position_and_stays_level():
     block = MocapFilter(IDEAL_SENSING, PAIR)
     for tick in range(20):

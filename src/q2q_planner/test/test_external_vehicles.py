@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from safe_flights import BROKEN, PARAMS, TICK, ZONE, hover, seen, swap
 
-from q2q_model.signals.values import SwarmSetpoint
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
@@ -121,3 +123,20 @@ def test_all_say_in_which_tick_a_stranger_is_forgotten(jerk_max: float) -> None:
     assert said.index([True, True], 1) == round(PARAMS.forget / TICK) + 1
     assert said.count([True, True]) == 1
     assert said[1:].count([False, False]) == 398
+
+
+def test_a_stranger_that_was_never_upright_is_evaded_as_one_that_is() -> None:
+    """It comes at 0.5 m/s from 1.2 m away; its quaternions are sent as w, x, y, z or as they are."""
+    plan, upright = hover(9.0), np.array([[0.0, 0.0, 0.0, 1.0]])
+
+    def flown(quat: Array) -> list[float]:
+        replanner, block = SafeReplanner(PARAMS), MocapFilter(MocapFilterParams(), ("cf9",))
+        answers: list[float] = []
+        for k in range(150):
+            reference, place = setpoint_at(plan, k * TICK), np.array([[-1.2 + 0.5 * k * TICK, 0.05, 1.2]])
+            stranger = block.update(MocapFrame(k * TICK, ("cf9",), place, quat))
+            answers.append(float(replanner.update(reference, stranger).pos[0, 0]))
+        return answers
+
+    assert flown(upright[:, [3, 0, 1, 2]]) == flown(upright)
+    assert max(flown(upright)) > 0.05

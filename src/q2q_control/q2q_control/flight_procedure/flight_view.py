@@ -29,6 +29,7 @@ class FlightView:
         self._setpoint_pos, self._setpoint_vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
         self._setpoint_at = -np.inf
         self._cut: Names = ()
+        self._turned = np.ones(n, dtype=np.bool_)  # whose attitude is a number
         self.plan: PlanOutline | None = None
         """Plan that is waiting."""
 
@@ -38,6 +39,7 @@ class FlightView:
         for own, row in enumerate(rows.tolist()):
             if row >= 0 and state.status[row] == TrackStatus.TRACKED:
                 self._pos[own], self._vel[own], self._seen[own] = state.pos[row], state.vel[row], t
+                self._turned[own] = np.isfinite(state.quat[row]).all()
 
     def store_setpoint(self, setpoint: SwarmSetpoint, t: float) -> Array:
         """Store a setpoint received at time t [s]; return each vehicle's position, NaN if it has none."""
@@ -63,4 +65,5 @@ class FlightView:
             setpoint_age=t - self._setpoint_at,
             plan=self.plan,
             cut=self._cut,
+            without_attitude=tuple(self._names[row] for row in np.flatnonzero(~self._turned)),
         )

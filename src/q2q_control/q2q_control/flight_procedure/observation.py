@@ -81,6 +81,8 @@ class Observation:
     """Plan that is waiting for its start."""
     cut: Names = ()
     """Vehicles whose motors the controller's last command has cut; in mode setpoint none."""
+    without_attitude: Names = ()
+    """Vehicles whose last measured state has no attitude to fly by."""
 
     @property
     def names(self) -> Names:

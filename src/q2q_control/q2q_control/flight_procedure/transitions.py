@@ -4,6 +4,7 @@ import numpy as np
 
 from q2q_control.flight_procedure.checks.flight_checks import (
     airborne_refusal,
+    attitude_refusal,
     cut_refusal,
     join_refusal,
     room_refusal,
@@ -52,7 +53,7 @@ def check_refusal(
         return join_refusal(observation, params, landing)
     if call is Call.FLY:
         unfit = airborne_refusal(observation) or cut_refusal(observation)
-        unfit = unfit or state_refusal(observation, landing)
+        unfit = unfit or state_refusal(observation, landing) or attitude_refusal(observation)
         unplanned = "" if observation.plan else "no plan is waiting"
         return unfit or unplanned or room_refusal(observation, params)
     return ""

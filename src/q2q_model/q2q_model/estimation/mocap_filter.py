@@ -12,8 +12,8 @@ rows by name in frame_rows. This file is about frames:
   held, velocity zero, attitude held. Age grows in both.
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
   So is one that passes the gates further than `jump_max` from its prediction, as it may after a gap.
-- A vehicle whose quaternions have been upside down since the first is LOST and of infinite age, where it is:
-  it has no attitude to fly by.
+- A vehicle whose quaternions have been upside down since the first has quaternion NaN, so that no controller
+  flies it. Its position is measured as that of any other: others avoid it, and compensate its downwash.
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
@@ -179,7 +179,8 @@ class MocapFilter:
         else:
             tracked = self._positions.followed(outcome, poses[:, :QUAT_AT], pos, vel)
         if not turned:
-            quat = self._quat_of(tracked, np.where(repeated[:, None], np.nan, poses[:, QUAT_AT:]))
+            held = repeated & ~self._attitudes.never_accepted
+            quat = self._quat_of(tracked, np.where(held[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
         remember_poses(poses, self._recent)
         return self._gapped(t, poses, tracked)
@@ -191,10 +192,9 @@ class MocapFilter:
         rejected = unused & ~(faults.outside | tracked.frozen)
         self._wrong = tracked.borrowed, tracked.frozen, *faults, rejected
         age, status = self._age_and_status(t, tracked)
-        vel = np.where(np.isinf(age)[:, None], 0.0, tracked.vel)
-        return SwarmState(
-            t, self._names, tracked.pos, vel, self._attitudes.quat, self._attitudes.ang_vel_body, age, status
-        )
+        quat = np.where(self._attitudes.never_upright(t)[:, None], np.nan, self._attitudes.quat)
+        moving = tracked.pos, tracked.vel, quat, self._attitudes.ang_vel_body
+        return SwarmState(t, self._names, *moving, age, status)
 
     def _by_track(self, frame: MocapFrame) -> Array:
         """Return the frame's poses in the order of the tracks, (n, 7); NaN where absent."""
@@ -212,12 +212,11 @@ class MocapFilter:
         return self._attitudes.nearest(quat, borrowed)
 
     def _age_and_status(self, t: float, tracked: TrackUpdate) -> tuple[Array, Status]:
-        unknown = self._attitudes.never_upright
-        if tracked.nominal and not unknown.any():
+        if tracked.nominal:
             return np.zeros(len(self._names)), np.full(len(self._names), _TRACKED)
-        age = np.where(unknown, np.inf, self._positions.age(t))
+        age = self._positions.age(t)
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, _COASTING, _LOST)
-        return age, np.where(tracked.trusted & ~unknown, _TRACKED, late)
+        return age, np.where(tracked.trusted, _TRACKED, late)
 
     def _are_many_lost(self) -> bool:
         return self._last is not None and int((self._last.status == _LOST).sum()) >= LOST_MOST

@@ -55,6 +55,11 @@ def identity_quat(shape: tuple[int, ...] = ()) -> Array:
     return quat
 
 
+def level_where_unknown(quat: Array) -> Array:
+    """Return quaternions (..., 4), level where they are not finite."""
+    return np.where(np.isfinite(quat).all(axis=-1, keepdims=True), quat, identity_quat())
+
+
 def quat_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Array:
     """Return the quaternion of Euler angles [rad] Z-Y-X, (..., 4), with the sign of cos(angle/2)."""
     half_roll, half_pitch, half_yaw = (

@@ -87,7 +87,8 @@ class SwarmState:
     vel: Array
     """Velocity [m/s], world, (n, 3)."""
     quat: Array
-    """Orientation x y z w, body to world, (n, 4); level, at rest, where none was ever measured."""
+    """Orientation x y z w, body to world, (n, 4); level, at rest, where none was ever measured; NaN where all
+    were upside down."""
     ang_vel_body: Array
     """Angular velocity [rad/s], body, (n, 3)."""
     age: Array

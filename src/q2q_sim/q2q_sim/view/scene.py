@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model import palette
-from q2q_model.geometry.rotations import rotate
+from q2q_model.geometry.rotations import level_where_unknown, rotate
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
@@ -61,7 +61,6 @@ FORCE_SHOWN = 0.01
 """Smallest downwash that is drawn [m/s^2]: a thousandth of g."""
 STALE_S = 0.5
 """Difference from the stamp of the state beyond which a signal is not drawn [s]: fifty ticks."""
-LEVEL = (0.0, 0.0, 0.0, 1.0)
 PLAN_STEP = 0.1
 """Time between points of a planned path [s], if that is no more than MOST_STEPS."""
 ROUNDING = 1e-6
@@ -137,7 +136,7 @@ class SceneBuilder:
 
     def update(self, seen: SceneSignals) -> Scene:
         """Return the scene at the time of `seen.state`; call in order of time."""
-        state = _level_where_unknown(seen.state)
+        state = replace(seen.state, quat=level_where_unknown(seen.state.quat))
         seen = replace(seen, state=state)
         known = [row for row in range(len(state.names)) if np.isfinite(state.pos[row]).all()]
         shapes = [
@@ -213,11 +212,6 @@ def zones_breached(pos: Array, zone: Cylinder) -> NDArray[np.bool_]:
     inside = zone.signed_distance(pos[None, :] - pos[:, None]) < 0.0  # (n, n)
     np.fill_diagonal(inside, val=False)
     return np.asarray(inside.any(axis=1))
-
-
-def _level_where_unknown(state: SwarmState) -> SwarmState:
-    known = np.isfinite(state.quat).all(axis=1, keepdims=True)
-    return replace(state, quat=np.where(known, state.quat, LEVEL))
 
 
 def _of(signal: Interference | None, name: str) -> Array | None:

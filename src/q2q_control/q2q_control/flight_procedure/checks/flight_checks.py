@@ -40,6 +40,7 @@ def take_off_refusal(observation: Observation, params: FlightProcedureParams, la
         lambda: _first(_vehicle_refusal(one, params) for one in observation.vehicles),
         lambda: cut_refusal(observation),
         lambda: state_refusal(observation, landing),
+        lambda: attitude_refusal(observation),
         lambda: _first(_estimates(observation, params)),
         lambda: _first(_thrust(one, params) for one in observation.vehicles),
         lambda: _first(_standing(observation, params)),
@@ -67,6 +68,7 @@ def join_refusal(observation: Observation, params: FlightProcedureParams, landin
         or _first(_vehicle_refusal(one, params) for one in observation.vehicles)
         or cut_refusal(observation)
         or state_refusal(observation, landing)
+        or attitude_refusal(observation)
         or setpoint_refusal(observation, params.start_tolerance, landing)
     )
 
@@ -78,6 +80,13 @@ def state_refusal(observation: Observation, landing: LandingParams) -> str:
             found = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never measured"
             return f"{name} has no state younger than {landing.stale_s:g} s ({found}): check motion capture"
     return ""
+
+
+def attitude_refusal(observation: Observation) -> str:
+    """Return which vehicles have no attitude to fly by."""
+    turned = ", ".join(observation.without_attitude)
+    remedy = "are its quaternions x, y, z, w, and its markers as defined?"
+    return f"{turned} was never measured upright: {remedy}" if turned else ""
 
 
 def setpoint_refusal(observation: Observation, near: float, landing: LandingParams) -> str:

@@ -52,7 +52,8 @@ class Attitudes(NamedTuple):
     time: Array
     """Time of the last accepted attitude [s], (n,)."""
     rejected_since: Array
-    """Time of the first of the current rejections [s], (n,); infinite without."""
+    """Time of the first of the current rejections [s], (n,), of the last for a vehicle never seen; infinite
+    without."""
     quat: Array
     """Orientation x y z w, (n, 4); level for a vehicle never seen."""
     ang_vel_body: Array

@@ -43,10 +43,11 @@ def measured_attitudes(state: SwarmState) -> Mask:
     """Return which vehicles of a filtered state ever had a measured attitude, (n,).
 
     A vehicle without is level to the last bit and has no body rate; measured attitudes have noise. Drivers
-    that report a lone marker as level, in place of NaN, are so recognised, too.
+    that report a lone marker as level, in place of NaN, are so recognised, too. One that has only been upside
+    down is NaN.
     """
-    level = (state.quat == identity_quat(())).all(axis=1)
-    return np.asarray(~(level & (state.ang_vel_body == 0.0).all(axis=1)))
+    level = (state.quat == identity_quat(())).all(axis=1) & (state.ang_vel_body == 0.0).all(axis=1)
+    return np.asarray(~level & np.isfinite(state.quat).all(axis=1))
 
 
 class AttitudeTracks:
@@ -80,8 +81,8 @@ class AttitudeTracks:
 
     def forget_rejected(self, t: float) -> None:
         """Count the attitudes that are rejected as rejected since t [s]."""
-        since = self._tracks.rejected_since
-        since[np.isfinite(since)] = t
+        tracks = self._tracks
+        tracks.rejected_since[tracks.seen & np.isfinite(tracks.rejected_since)] = t
 
     @property
     def quat(self) -> Array:
@@ -94,9 +95,14 @@ class AttitudeTracks:
         return self._tracks.ang_vel_body.copy()
 
     @property
-    def never_upright(self) -> Mask:
-        """Return which vehicles have had attitudes, but none with body z up, (n,)."""
+    def never_accepted(self) -> Mask:
+        """Return which vehicles have had attitudes, but none that was accepted, (n,)."""
         return np.asarray(~self._tracks.seen & np.isfinite(self._tracks.rejected_since))
+
+    def never_upright(self, t: float) -> Mask:
+        """Return which vehicles had attitudes within coast_s before t [s], but never one upright, (n,)."""
+        passed = t - self._tracks.rejected_since
+        return np.asarray(self.never_accepted & (passed <= self._params.coast_s + SAME_INSTANT))
 
     def nearest(self, offered: Array, other: Array) -> Array:
         """Return, row by row, the nearer of two quaternions (n, 4) to the track; NaN is never nearer."""
@@ -124,7 +130,8 @@ class AttitudeTracks:
         near = tracks.seen & self._plausible(t, turn) & ~reflected
         righted = ~(tracks.seen & _is_upright(tracks.quat)) & _is_upright(quat)
         rejected = present & ~near & ~righted
-        tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
+        since = np.where(tracks.seen, np.minimum(tracks.rejected_since, t), t)
+        tracks.rejected_since[rejected] = since[rejected]
         patience = np.where(reflected, params.flip_reacquire_s, params.reacquire_s)
         lasting = tracks.seen & (t - tracks.rejected_since >= patience - SAME_INSTANT)
         accepted = present & (near | righted | lasting)

@@ -15,7 +15,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from q2q_model.geometry.rotations import rotate_inverse
+from q2q_model.geometry.rotations import level_where_unknown, rotate_inverse
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
 from q2q_model.signals.repeated_stamp import StampOrder
@@ -39,14 +39,15 @@ class VehicleTopics:
         """
         if self._order.reject_stamp(state.t) or not self._writers.due(state.t, stamp_ns, state.names):
             return
-        vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
+        quat = level_where_unknown(state.quat)
+        vel_body = rotate_inverse(quat, state.vel)  # (n, 3), Odometry's child frame
         for row in np.flatnonzero(state.status != LOST):
             name = state.names[row]
             if not (publishers := self._writers.with_subscribers(name, stamp_ns)):
                 continue
             pose, odom = publishers
             header = header_at(stamp_ns)
-            where = _pose(state.pos[row], state.quat[row])
+            where = _pose(state.pos[row], quat[row])
             pose.publish(PoseStamped(header=header, pose=where))
             odom.publish(_odometry(header, name, where, _twist(vel_body[row], state.ang_vel_body[row])))
 
