@@ -72,6 +72,12 @@ def test_the_vehicle_itself_is_level_then_lands_and_is_cut_and_the_other_flies(
     assert max(abs(one.thrust[1]) for one in made) <= HOVER
 
 
+def test_a_vehicle_below_moves_aside_of_one_that_lands_without_attitude() -> None:
+    made = commands(pid(), NAMES, seen(100, -1.0))
+    np.testing.assert_allclose(made[-1].pitch[1], 0.0, atol=1e-12)
+    assert made[-1].pitch[0] < -0.05  # rad: along -x, away from the one at x = 0.02 m
+
+
 def test_it_does_not_take_off_until_it_is_upright_and_is_sent_no_attitude() -> None:
     view = FlightView(NAMES)
     state = seen(10, -1.0)[-1][0]

@@ -188,11 +188,14 @@ def _nearer_way(sent: Array, ahead: Array, across_it: Array) -> Array:
 
 
 def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Array]:
-    """Return the positions [m], (n, 3), dead-reckoned where known, and those of rest, (n, 2)."""
-    rows = index_of(tuple(known), state.names)
-    pos, reckoned = state.pos.copy(), np.array([*known.values()]).reshape(-1, 2, 2)[rows >= 0]
-    rest = pos[:, :2].copy()
-    pos[rows[rows >= 0], :2], rest[rows[rows >= 0]] = reckoned[:, 0], reckoned[:, 1]
+    """Return the positions [m], (n, 3), dead-reckoned where known, and those of rest, (n, 2).
+
+    One that is measured without an attitude may never have been dead-reckoned: it is where it is measured.
+    """
+    rows, reckoned = index_of(tuple(known), state.names), np.array([*known.values()]).reshape(-1, 2, 2)
+    used = (rows >= 0) & ~((state.status[rows] == TRACKED) & np.isnan(reckoned).any(axis=(1, 2)))
+    pos, rest = state.pos.copy(), state.pos[:, :2].copy()
+    pos[rows[used], :2], rest[rows[used]] = reckoned[used, 0], reckoned[used, 1]
     return pos, rest
 
 
