@@ -146,11 +146,21 @@ def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_
     assert sorted(stored) == [serialized_at(second) for second in (1, 2, 3)]
 
 
-@pytest.mark.parametrize("extra", ["/two words:std_msgs/msg/String", "/words:std_msgs/msg/Nope", "words"])
+REFUSED = (
+    "'/two words:std_msgs/msg/String'",
+    "'/words:std_msgs/msg/Nope'",
+    "'words'",
+    "'/words:std_msgs/msg/String', 'words:std_msgs/msg/Int32'",
+    "'/state:q2q_msgs/msg/SwarmState'",
+)
+"""Values of `extra`; the last is recorded already."""
+
+
+@pytest.mark.parametrize("extra", REFUSED)
 def test_a_recorder_that_is_refused_leaves_no_folder(tmp_path: Path, extra: str) -> None:
     bag = tmp_path / "bag"
     refused = (ValueError, NameValidationException)
-    with recording(bag, f"extra:=['{extra}']") as node, pytest.raises(refused):
+    with recording(bag, f"extra:=[{extra}]") as node, pytest.raises(refused):
         Recorder(node)
     assert not bag.exists()
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_sim.bag_topics.recorded_topics import recorded_types, silent_topics_note
+from q2q_sim.bag_topics.recorded_topics import check_distinct, recorded_types, silent_topics_note
 
 POSE = "geometry_msgs/msg/PoseStamped"
 
@@ -24,6 +24,21 @@ def test_a_message_without_a_header_has_no_stamp_to_record_it_by() -> None:
 def test_types_that_do_not_exist_are_refused_before_a_bag_is_made() -> None:
     with pytest.raises(ValueError, match="no definition of message type 'std_msgs/msg/Nope'"):
         recorded_types((), ("/words:std_msgs/msg/Nope",), by_header=False)
+
+
+def test_a_topic_is_recorded_once() -> None:
+    check_distinct({"mocap": "/room/mocap", "/mocap": "/mocap"})
+    with pytest.raises(
+        ValueError, match="mocap and /room/mocap are both /room/mocap, which would be recorded"
+    ):
+        check_distinct({"mocap": "/room/mocap", "/room/mocap": "/room/mocap"})
+    again = (f"/words:{POSE}", "/words:std_msgs/msg/String")
+    for extra, twice in ((again, "/words"), ((f"state:{POSE}",), "state")):
+        with pytest.raises(
+            ValueError, match=f"parameter extra: {twice} would be recorded twice: leave out one"
+        ):
+            recorded_types((), extra, by_header=False)
+    assert recorded_types(("mocap",), (f"state:{POSE}",), by_header=False)["state"] == POSE
 
 
 def test_silent_topics_are_reported_if_they_were_asked_for_or_none_came() -> None:

@@ -1,6 +1,7 @@
 """Topics of a recording: what a user may ask for, and which of it never came."""
 
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Mapping
 
 from q2q_model.bag.storage.definitions import definition_of, jazzy_types
 from q2q_sim.bag_topics.topics import TYPE_NAMES
@@ -12,18 +13,32 @@ def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header
     """Return the topics to record and their message types: `topics` of q2q, none are all, and `extra`.
 
     Raises:
-        ValueError: an unknown topic or type, or a message without a header though its stamp is asked for
-            (`by_header`).
+        ValueError: an unknown topic or type, a topic given twice, or a message without a header though its
+            stamp is asked for (`by_header`).
     """
     unknown = [topic for topic in topics if topic not in TYPE_NAMES]
     if unknown:
         raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")
     further = _further(extra)
-    for topic, kind in further.items():
+    for topic, kind in further:
         definition_of(kind)
         if by_header and not _has_header(kind):
             raise ValueError(f"parameter extra: {topic}: {kind} has no header: give stamps:=receive")
-    return {topic: kind for topic, kind in TYPE_NAMES.items() if not topics or topic in topics} | further
+    chosen = {topic: kind for topic, kind in TYPE_NAMES.items() if not topics or topic in topics}
+    counts = Counter([*chosen, *(topic for topic, _ in further)])
+    if repeated := ", ".join(topic for topic, count in counts.items() if count > 1):
+        raise ValueError(f"parameter extra: {repeated} would be recorded twice: leave out one")
+    return chosen | dict(further)
+
+
+def check_distinct(full_names: Mapping[str, str]) -> None:
+    """Raise ValueError if two topics to record are one; each has its full name, in its namespace."""
+    given: dict[str, str] = {}
+    for topic, full_name in full_names.items():
+        first = given.setdefault(full_name, topic)
+        if first != topic:
+            both = f"{first} and {topic} are both {full_name}, which would be recorded twice"
+            raise ValueError(f"{both}: leave one out of the parameters topics and extra")
 
 
 def silent_topics_note(asked: Collection[str], received: Collection[str]) -> str:
@@ -40,14 +55,14 @@ def silent_topics_note(asked: Collection[str], received: Collection[str]) -> str
     return f"no message came {which}: do their nodes run, with these names and in this ROS_DOMAIN_ID?"
 
 
-def _further(extra: Collection[str]) -> dict[str, str]:
+def _further(extra: Collection[str]) -> list[tuple[str, str]]:
     pairs = [word.partition(":") for word in extra]
     wrong = [
         word for word, (_, colon, kind) in zip(extra, pairs, strict=True) if not colon or kind.count("/") != 2
     ]
     if wrong:
         raise ValueError(f"parameter extra: {', '.join(wrong)}; write topic:package/msg/Type")
-    return {topic: kind for topic, _, kind in pairs}
+    return [(topic, kind) for topic, _, kind in pairs]
 
 
 def _has_header(kind: str) -> bool:

@@ -35,7 +35,7 @@ from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.recorded_topics import recorded_types, silent_topics_note
+from q2q_sim.bag_topics.recorded_topics import check_distinct, recorded_types, silent_topics_note
 from q2q_sim.bag_topics.topics import TYPE_NAMES, is_latched
 
 
@@ -87,13 +87,15 @@ class Recorder:
         classes = {topic: message_class(kind) for topic, kind in types.items()}
         for topic in types:
             validate_topic_name(topic)  # before the bag's folder is made: resolve_topic_name raises RCLError
+        names = {topic: node.resolve_topic_name(topic) for topic in types}
+        check_distinct(names)
         asked = types if params.topics else types.keys() - TYPE_NAMES
-        self._asked = sorted(node.resolve_topic_name(topic) for topic in asked)
+        self._asked = sorted(names[topic] for topic in asked)
         self._received: set[str] = set()
         self._writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
         bus = bus_of(node)
         for topic, kind in types.items():
-            whole = node.resolve_topic_name(topic)
+            whole = names[topic]
             if topic in TYPE_NAMES or is_latched(topic, kind):
                 self._writer.add_topic(whole, kind, OfferedQos(transient_local=is_latched(topic, kind)))
             else:
