@@ -2,6 +2,8 @@
 
 import csv
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -197,6 +199,16 @@ def test_the_zone_is_chosen_by_what_it_spares(
     assert "cut = 1.5: allowed is 0 to 1" in capsys.readouterr().err
     assert main([str(crossing), "--out", str(out), "--cut", "0.5"]) == 1
     assert "--cut 0.5 needs --model" in capsys.readouterr().err
+
+
+def test_that_a_zone_can_be_drawn_is_checked_without_the_import_of_drawing() -> None:
+    """The check lies within the time of the plan, `cpu_ms`."""
+    code = (
+        "import sys; from q2q_model.geometry.zone import Cylinder; from q2q_planner.tools import plan_swarm; "
+        "plan_swarm.check_drawn(Cylinder(0.3, 1.0)); print('matplotlib' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
 
 
 def test_figures_are_drawn(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.zones.altitude_response import altitude_errors
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.tools.figure_zone import replanner_params
 
 TICK = 0.02
 """Sampling of curves [s]."""
@@ -68,16 +68,6 @@ def replan_samples(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
     """Return the plan after the safe replanner, (T, n, 3), with the zone's radius and half height."""
     replanner = SafeReplanner(replanner_params(zone))
     return np.stack([replanner.update(setpoint_at(plan, float(at)), None).pos for at in t])
-
-
-def replanner_params(zone: Zone) -> SafeReplannerParams:
-    """Return the parameters of a safe replanner with the zone's radius and half height.
-
-    Raises:
-        OutOfBoundsError: the safe replanner does not avoid zones of this size.
-    """
-    hull = zone_around(zone)
-    return SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0)
 
 
 def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel) -> Figure:

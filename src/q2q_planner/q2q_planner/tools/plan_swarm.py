@@ -13,7 +13,6 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_model.tunable import OutOfBoundsError
 from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
@@ -24,6 +23,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, pla
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import check_upload_of, upload_rows, write_samples, write_uploads
+from q2q_planner.tools.figure_zone import check_drawn
 from q2q_planner.tools.flight_options import naming_options, read_swarm
 from q2q_planner.tools.risk_options import risk_facts, risk_params
 from q2q_planner.tools.zone_options import zone_of
@@ -100,7 +100,7 @@ def run(asked: Namespace) -> int:
     warm = plan_file.load(asked.warm_start) if asked.warm_start else None
     zone, words = zone_of(asked, swarm, _params_of(asked), warm)
     if asked.figures:
-        _check_drawn(zone)
+        check_drawn(zone)
     made = make_plan(asked, swarm, zone, warm, before)
     reserve = 0.0 if asked.risk is None else risk_params(asked).hold
     check_feasible(made.plan, swarm, asked.vehicle, reserve, asked.tilt)
@@ -131,17 +131,6 @@ def _write_others(asked: Namespace, made: Planned, uploads: Mapping[str, Array])
         write_samples(asked.csv, made.plan)
     if asked.upload:
         write_uploads(asked.upload, uploads)
-
-
-def _check_drawn(zone: Zone) -> None:
-    """Raise ValueError if the replanner of Figs 12 and 13 cannot avoid the zone."""
-    from q2q_planner.tools import plan_figures  # drawing is slow to import
-
-    try:
-        plan_figures.replanner_params(zone)
-    except OutOfBoundsError as wrong:
-        shown = f"Figs 12 and 13 show the safe replanner, whose zone has {wrong.name} = {wrong.rest}"
-        raise ValueError(f"--figures: {shown}; change the zone, or leave --figures out") from wrong
 
 
 def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zone: Zone) -> None:
