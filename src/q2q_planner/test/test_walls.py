@@ -12,9 +12,11 @@ from numpy.polynomial import Polynomial
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.commands.plan import main
+from q2q_planner.offline.avoidance import joint_plan
 from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
+from q2q_planner.offline.certificate import certificate
 from q2q_planner.offline.certificate.branch_and_bound import TOLERANCE
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -147,6 +149,15 @@ def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> Non
         held((-1.0, -1.0, 0.5, 1.5, 1.0, 1.5))
     with pytest.raises(ValueError, match="give finite numbers"):
         Walls((-1.0, -1.0, 0.0), (1.0, 1.0, float("inf")))
+
+
+def test_a_plan_without_walls_is_searched_only_where_its_answer_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(certificate, "MOST_STRETCHES", 1)
+    monkeypatch.setattr(joint_plan, "_holds_without_walls", lambda *_: pytest.fail("searched"))
+    with pytest.raises(InfeasibleError, match="no pair is proven to be kept apart"):
+        held(NARROW)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ cheapest certified plan is returned. A plan that is not certified is never retur
 pair in conflict, its time and depth, or the vehicle that crosses a wall.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,8 +85,7 @@ def avoid_zones(
     found = [search(problem, start) for start in _starts(problem, search_params, warm)]
     certified = [attempt for attempt in found if attempt.holds]
     if not certified:
-        walls_are_why = _holds_without_walls(problem, search_params, warm)
-        raise InfeasibleError(_explanation(found, walls_are_why=walls_are_why))
+        raise InfeasibleError(_explanation(found, lambda: _holds_without_walls(problem, search_params, warm)))
     best = min(certified, key=lambda attempt: attempt.cost)
     steps = sum(attempt.steps for attempt in found)
     return AvoidancePlan(
@@ -125,8 +124,8 @@ def _holds_without_walls(problem: Problem, params: AvoidanceParams, warm: SwarmP
     return search(replace(problem, walls=None), next(_starts(problem, params, warm))).holds
 
 
-def _explanation(found: Sequence[Attempt], *, walls_are_why: bool) -> str:
-    """Return what cannot be kept, in words; `walls_are_why`: a plan was found without the walls."""
+def _explanation(found: Sequence[Attempt], walls_are_why: Callable[[], bool]) -> str:
+    """Return what cannot be kept, in words; `walls_are_why` searches without the walls, for pairs only."""
     apart = [attempt for attempt in found if attempt.proof.holds]
     best = f"in the best of {len(found)} initial guesses; move a waypoint there or allow more time"
     if apart:
@@ -141,7 +140,7 @@ def _explanation(found: Sequence[Attempt], *, walls_are_why: bool) -> str:
         tried = f"in any of {len(found)} initial guesses"
         return f"no pair is proven to be kept apart, {tried}: {proof.not_computed}"
     depth = f"{-proof.clearance:.3g} m inside each other's zone at t = {proof.t:.2f} s"
-    if walls_are_why:
+    if walls_are_why():
         best = f"in the best of {len(found)} initial guesses, and apart without walls"
         advice = "move the walls outwards, or reduce the zone"
         return f"{first} and {second} cannot be kept apart within the walls: {depth} {best}; {advice}"
