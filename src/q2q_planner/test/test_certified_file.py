@@ -144,7 +144,8 @@ def test_a_plan_that_falls_without_thrust_is_refused(tmp_path: Path, *, certifie
         file = written(shown, tmp_path / "plan.json")
         if falls:
             with pytest.raises(
-                ValueError, match=r"plan\.json: cf1 needs an upward thrust of -?0\.0\d+ times"
+                ValueError,
+                match=r"plan\.json: cf1 needs an upward thrust of -?0\.0\d+ times.*; allow more time$",
             ):
                 load_plan(file)
         else:
