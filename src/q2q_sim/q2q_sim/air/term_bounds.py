@@ -1,9 +1,8 @@
 """Bounds of the numbers of an air's terms: NaN and correlation times of 0 would reach the vehicles.
 
-| at most | why |
-|---|---|
-| g for accelerations of jet, turbulence and gusts | all momentum of a source carries another of its weight |
-| 1 for shares of what a source or a jet gives | none gives more than it has |
+Accelerations are bounded as those of interaction models are (q2q_model.model_files.model_bounds): a force in
+another unit would throw vehicles out of the room. What learn_air learns is bounded more tightly, by the
+momentum of a source (q2q_sim.air.learning.jet.plausibility).
 """
 
 from dataclasses import fields
@@ -11,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.model_files.model_bounds import LARGEST
 
 ABOVE_ZERO = (
     "width_m", "time_s", "radius_m", "rotor_radius_m", "gust_time_s", "headroom", "attitude_frequency",
@@ -22,12 +21,9 @@ NOT_NEGATIVE = (
     "share", "std", "floor_mps2", "gain_std", "gust_std_mps2", "offset_std_mps2", "thrust_lag_s",
     "headroom_std", "motor_std", "attitude_lead_ratio", "per_s",
 )  # fmt: skip
-"""Fields of terms whose numbers are 0 or more; all others are any finite numbers within LARGEST."""
-LARGEST = {
-    "push_mps2": GRAVITY, "floor_mps2": GRAVITY, "gust_std_mps2": GRAVITY, "offset_std_mps2": GRAVITY,
-    "upper_ratio": 1.0, "share": 1.0,
-}  # fmt: skip
-"""Largest magnitude of the numbers of fields of terms, in the field's unit."""
+"""Fields of terms whose numbers are 0 or more; all others are any finite numbers."""
+ACCELERATIONS = ("push_mps2", "floor_mps2", "gust_std_mps2", "offset_std_mps2")
+"""Fields of terms whose numbers are at most LARGEST in magnitude [m/s^2]."""
 
 
 def check_term(name: str, term: Any) -> None:  # noqa: ANN401  any dataclass
@@ -36,7 +32,7 @@ def check_term(name: str, term: Any) -> None:  # noqa: ANN401  any dataclass
         given = getattr(term, entry.name)
         numbers = np.atleast_1d(np.asarray([] if given is None else given, dtype=np.float64))
         low, allowed = _bound(entry.name)
-        most = LARGEST.get(entry.name, np.inf)
+        most = LARGEST if entry.name in ACCELERATIONS else np.inf
         within = np.isfinite(numbers) & (numbers >= low) & (np.abs(numbers) <= most)
         for wrong in numbers[~within][:1]:
             up_to = "" if np.isinf(most) else f", of at most {most:.3g} in magnitude"
