@@ -41,8 +41,11 @@ SERVICES = {
     "q2q_model/writable_places.py",
 }
 """Services that blocks and commands use: parsing, parameters, compilation, stamps, rows and words."""
-BESIDE_FLIGHT = {"q2q_planner/plan_playback/measured_poses.py"}
-"""Last measured poses, which only a waiting reference follows: no step."""
+BESIDE_FLIGHT = {
+    "q2q_model/estimation/frame_intervals.py",
+    "q2q_planner/plan_playback/measured_poses.py",
+}
+"""Intervals of frames, which matter after a gap, and last measured poses, which a waiting reference follows."""
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/bag_path.py",

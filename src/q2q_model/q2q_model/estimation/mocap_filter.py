@@ -164,7 +164,6 @@ class MocapFilter:
                 self._attitudes.forget_rejected(t)
             if t > self._last.t:
                 self._intervals.add(t - self._last.t)
-            self._positions.allow_gap(self._intervals.longest)
         n = len(poses)
         pos, vel, ang_vel_body = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         quat, age = np.empty((n, 4)), np.zeros(n)
@@ -175,6 +174,7 @@ class MocapFilter:
             self._count_nominal()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         if outcome == NEEDS_ASSOCIATION:
+            self._positions.allow_gap(self._intervals.longest)
             tracked = self._positions.associated(t, poses[:, :QUAT_AT].copy(), repeated)
         else:
             tracked = self._positions.followed(outcome, poses[:, :QUAT_AT], pos, vel)
