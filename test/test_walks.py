@@ -45,7 +45,7 @@ BESIDE_FLIGHT = {
     "q2q_model/estimation/frame_intervals.py",
     "q2q_planner/plan_playback/measured_poses.py",
 }
-"""Intervals of frames, which matter after a gap, and last measured poses, which a waiting reference follows."""
+"""Intervals of frames, which matter after a gap, and last measured poses, followed by a waiting reference."""
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/bag_path.py",
