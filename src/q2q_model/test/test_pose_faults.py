@@ -28,8 +28,8 @@ def test_faults_are_those_of_plain_numpy(given_poses: Array) -> None:
 
 def test_a_good_pose_has_no_fault_and_each_fault_is_of_one_vehicle() -> None:
     good = [1.0, -2.0, 0.5, 0.0, 0.6, 0.0, 0.8]
-    rows = np.array([good] * 4)
-    rows[1, 0], rows[2, 6], rows[3, 2] = -5.1, 0.7, np.nan
+    rows = np.array([good] * 5)
+    rows[1, 0], rows[2, 6], rows[3, 2], rows[4, 3:] = -5.1, 0.7, np.nan, [1.0, 0.0, 0.0, 0.0]
     found = pose_faults(rows, POS_MAX)
-    assert [mask.tolist().count(True) for mask in found] == [1, 1, 1]
-    assert (found.outside[1], found.not_unit[2], found.missing[3]) == (True, True, True)
+    assert [np.flatnonzero(mask).tolist() for mask in found] == [[1], [2], [4], [3]]
+    assert found._fields == ("outside", "not_unit", "upside_down", "missing")

@@ -108,13 +108,9 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         for flight in (one.flight for one in recordings):
             if doubt := y_up_reason(flight.mocap_pos):
                 progress.console.print(f"identify: flight {flight.name}: {doubt}", highlight=False)
-        repaired = [f"repaired: {repair}" for repair in repairs]
-        for note in [
-            *repaired,
-            *left_out,
-            *filter(None, [flown.note]),
-        ]:  # first: an error may follow from them
-            progress.console.print(f"identify: {note}", highlight=False)
+        notes = [*(f"repaired: {repair}" for repair in repairs), *left_out, *filter(None, [flown.note])]
+        for note in notes:  # first: an error may follow from them
+            progress.console.print(f"identify: {note}", highlight=False, soft_wrap=True)
         return identify(recordings, _params(args, flown.vehicle), steps.begin), steps.finish()
 
 
