@@ -26,7 +26,7 @@ from q2q_model.identification.selection.identification_data import (
     largest_gap,
 )
 from q2q_model.identification.selection.model_choice import best_trial, score_candidates
-from q2q_model.identification.selection.model_doubts import model_doubts
+from q2q_model.identification.selection.model_doubts import Scores, model_doubts
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.recordings.flight_recording import Recording
@@ -165,25 +165,30 @@ def test_a_model_that_its_flights_do_not_show_is_doubted():
     recordings = [Recording(made_flight(one)) for one in FLOWN]
     found = identify(recordings, ProcedureParams(model_type="jet"), lambda _: None)
     law, spread = found.file.interaction, dict(found.spread)
-    assert model_doubts(found.gains, found.held_out, found.data, law, spread) == []
+    scores = Scores(found.train, found.held_out)
+    assert model_doubts(found.gains, scores, found.data, law, spread) == []
+    assert model_doubts(found.gains, scores, found.data[:1], NoInteraction(), {}) == []
     unknown = replace(found.gains, k_d=Interval(0.4, 0.0, 0.9))
     inferred = [replace(one, pushes=()) for one in found.data]
-    (first,) = model_doubts(unknown, found.held_out, inferred, law, spread)
+    (first,) = model_doubts(unknown, scores, inferred, law, spread)
     assert first.startswith("the downwash is inferred by gains that these flights do not determine")
-    useless = replace(found.held_out, r2=RoleScores(lower=-0.01))
+    useless = replace(scores, held_out=replace(found.held_out, r2=RoleScores(lower=-0.01)))
     (second,) = model_doubts(found.gains, useless, found.data, law, spread)
     assert "no better than none (R2 -0.010)" in second
     assert isinstance(law, Jet)
     lifting = replace(law, strength=-law.strength)
-    (third,) = model_doubts(found.gains, found.held_out, found.data, lifting, spread)
+    (third,) = model_doubts(found.gains, scores, found.data, lifting, spread)
     assert third.startswith("the model lifts vehicles that are under others")
     either = spread | {"strength": Interval(1.0, -5.0, 15.0)}
-    (fourth,) = model_doubts(found.gains, found.held_out, found.data, law, either)
+    unseen = replace(scores, train=replace(found.train, r2=RoleScores(lower=0.07)))
+    (fourth,) = model_doubts(found.gains, unseen, found.data, law, either)
     assert "do not show downwash (strength 1 m/s^2 [-5, 15]): do not compensate" in fourth
+    (unsure,) = model_doubts(found.gains, scores, found.data, law, either)
+    assert unsure == "these flights do not determine strength: the interval is the range of the search"
     wide = spread | {"width": Interval(0.1, 0.015, 0.4)}
-    (fifth,) = model_doubts(found.gains, found.held_out, found.data, law, wide)
+    (fifth,) = model_doubts(found.gains, scores, found.data, law, wide)
     assert fifth == "these flights do not determine width: the interval is the range of the search"
-    (sixth,) = model_doubts(found.gains, found.held_out, found.data[:1], law, spread)
+    (sixth,) = model_doubts(found.gains, scores, found.data[:1], law, spread)
     assert sixth.startswith("no flight was left out")
 
 

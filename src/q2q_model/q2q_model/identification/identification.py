@@ -4,7 +4,7 @@ flights -> repaired records -> gains (12)-(13) -> pushes -> dev, alpha, beta, d 
 -> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -25,7 +25,7 @@ from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.identification.recorded_altitudes import recorded_altitudes
 from q2q_model.identification.recorded_gains import predicting_loop, recorded_gains
-from q2q_model.identification.selection.candidate import NOTHING, Candidate
+from q2q_model.identification.selection.candidate import Candidate
 from q2q_model.identification.selection.candidates_of_kind import candidates
 from q2q_model.identification.selection.cross_validation import Score, score_on
 from q2q_model.identification.selection.identification_data import (
@@ -36,7 +36,7 @@ from q2q_model.identification.selection.identification_data import (
 )
 from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
-from q2q_model.identification.selection.model_doubts import model_doubts
+from q2q_model.identification.selection.model_doubts import Scores, model_doubts
 from q2q_model.identification.selection.network_candidates import network_notes
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import Fit, ModelFile
@@ -109,7 +109,7 @@ def identify(
     zone, on_zone = _learned_zone(model, params.threshold, records)
     train = score_on(model, data, loop)
     spread = parameter_intervals(best.candidate, model, data, loop)
-    doubted = _doubts(best, gains, data, model, dict(spread))
+    doubted = model_doubts(gains, Scores(train, best.held_out), data, model, dict(spread))
     return Identification(
         data=tuple(data),
         gains=gains,
@@ -133,18 +133,6 @@ def _check_inference(gains: GainFit, data: Sequence[IdentificationData]) -> None
     inferred = not measured and any(has_exposure(record) for record in every_record(data))
     if inferred and (reason := unstable_reason(gains)):
         raise ValueError(f"no downwash can be inferred from altitudes, as {reason}")
-
-
-def _doubts(
-    best: Trial,
-    gains: GainFit,
-    data: Sequence[IdentificationData],
-    model: InteractionModel,
-    spread: Mapping[str, Interval],
-) -> list[str]:
-    """Return the doubts of a model that predicts downwash."""
-    predicts = best.candidate.kind != NOTHING.kind
-    return model_doubts(gains, best.held_out, data, model, spread) if predicts else []
 
 
 def _file(
