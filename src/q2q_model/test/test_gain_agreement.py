@@ -8,7 +8,7 @@ from made_flights import Pass, made_flight
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 
 SOFT = Pass(
     "soft", loop=AltitudeLoop(10.0, 5.0, lag=CRAZYFLIE_2_0.thrust_lag), start=0.3, noise=1e-4, gust=0.1
@@ -31,3 +31,11 @@ def test_flights_of_one_controller_keep_their_gains() -> None:
     assert not any("different gains" in one for one in found.remarks)
     assert found.file.gains is not None
     assert found.file.gains.k_p == pytest.approx(10.0, rel=0.02)  # as the intervals
+
+
+def test_gains_by_the_mass_of_another_vehicle_are_not_compared() -> None:
+    """Only the weight is said: its remedy comes first, and by the right mass the gains are compared."""
+    flights = [Recording(made_flight(one)) for one in (SOFT, STIFF)]
+    found = identify(flights, ProcedureParams(model_type="jet", vehicle=CRAZYFLIE_2_1), lambda _: None)
+    assert found.remarks[0].startswith("the commanded thrust carries 34.0 g")
+    assert not any("different gains" in one for one in found.remarks)

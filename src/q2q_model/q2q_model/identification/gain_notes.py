@@ -14,7 +14,7 @@ LIMITED = 0.1
 
 def gain_notes(fit: GainFit, recordings: Sequence[Recording], vehicle: Vehicle) -> list[str]:
     """Return what limits the use of gains that the commands of recordings gave."""
-    return [*_limit_note(fit), *_sign_note(fit), *_weight_note(fit, vehicle), *_filter_note(recordings)]
+    return [*_weight_note(fit, vehicle), *_limit_note(fit), *_sign_note(fit), *_filter_note(recordings)]
 
 
 def difference_note(least: FlightGain, most: FlightGain) -> list[str]:
@@ -59,9 +59,14 @@ def unstable_reason(fit: GainFit) -> str:
     )
 
 
+def carries_other_weight(fit: GainFit) -> bool:
+    """Return whether the commanded thrust carries another weight than that of the vehicle assumed."""
+    return abs(fit.loop.offset) > MOST_OFFSET
+
+
 def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
     """Return a note if the commanded thrust carries another weight than the vehicle's."""
-    if abs(fit.loop.offset) <= MOST_OFFSET:
+    if not carries_other_weight(fit):
         return []
     carried = vehicle.mass * (1.0 + fit.loop.offset / GRAVITY)
     return [

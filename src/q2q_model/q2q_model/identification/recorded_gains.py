@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_model.identification.gain_notes import difference_note, gain_notes
+from q2q_model.identification.gain_notes import carries_other_weight, difference_note, gain_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.gain_agreement import differing_gains
@@ -21,12 +21,14 @@ def recorded_gains(
 ) -> tuple[GainFit, list[str]]:
     """Return the gains of all records, and notes; from trajectories if there are too few commands.
 
+    With the mass of another vehicle, gains of one controller differ between flights: they are not compared.
+
     Raises:
         ValueError: trajectories give no gains either.
     """
     try:
         fit = gains_from_commands(records)
-        differing = differing_gains(records)
+        differing = None if carries_other_weight(fit) else differing_gains(records)
         notes = difference_note(*differing) if differing else []
         return replace(fit, alike=not differing), [*notes, *gain_notes(fit, recordings, vehicle)]
     except ValueError as missing:
