@@ -10,7 +10,7 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.estimation.mocap_warnings import LASTING, MocapWarnings
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.signals.values import Array, MocapFrame
+from q2q_model.signals.values import Array, Mask, MocapFrame
 
 PAIR = ("cf1", "cf2")
 PLACES = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]])
@@ -112,6 +112,38 @@ def test_samples_that_are_too_noisy_for_the_gates_are_reported(noise: float, rep
         lines.append(warnings.update(k * DT, found))
     assert any("many samples are rejected: cf1, cf2" in line for line in lines) == reported
     assert any(lines) == reported
+
+
+def many_rejected(times: Array, rejected: Mask) -> list[tuple[float, str]]:
+    """Return what is logged, and when, of frames in which the samples of cf1 are rejected or not."""
+    warnings, wrong = MocapWarnings(), FrameWarnings(rejected=("cf1",))
+    lines = [
+        (t, warnings.update(t, wrong if one else NOTHING)) for t, one in zip(times, rejected, strict=True)
+    ]
+    return [(t, line) for t, line in lines if line]
+
+
+def test_many_samples_are_reported_as_soon_although_one_frame_a_second_is_late() -> None:
+    times = np.linspace(0.0, 10.0, 1000, endpoint=False)
+    rejected = times < 5.0
+    after = np.arange(100, 1000, 100)
+    late = np.insert(times, after, times[after - 1] - 1.5 * DT)
+    found = many_rejected(late, np.insert(rejected, after, rejected[after - 1]))
+    assert found == many_rejected(times, rejected)
+    assert len(found) == 2
+
+
+@pytest.mark.parametrize(
+    ("back", "over"),
+    [(0.5, 105.0 + 2.0 * np.log(0.918 / 0.125)), (50.0, 55.0)],  # 0.918 = 1 - exp(-5 s / 2 s)
+)
+def test_many_samples_before_a_clock_was_set_back_are_not_reported_for_ever(back: float, over: float) -> None:
+    times = 100.0 + DT * np.arange(1500)
+    rejected = times < 105.0
+    (_, first), (end, last) = many_rejected(np.where(rejected, times, times - back), rejected)
+    assert "many" in first
+    assert "again" in last
+    assert end == pytest.approx(over, abs=0.03)
 
 
 def test_samples_rejected_now_and_then_or_after_a_gap_are_not_reported_and_many_are_until_they_are_few() -> (
