@@ -235,6 +235,7 @@ def test_what_a_block_has_refused_does_not_stand_in_the_way_of_the_next_change()
         ("k_p_z", "high", f"{PidParams().k_p_z}"),
         ("vehicles", "cf1", "['cf1']"),
         ("vehicles", 1, "['1']"),
+        ("vehicles", "", "[]"),
         ("vehicles", [1, 2], "['1', '2']"),
     ],
 )

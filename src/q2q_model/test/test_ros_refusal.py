@@ -14,9 +14,11 @@ def test_what_ros_refuses_is_reported_without_places_in_its_source() -> None:
     )
 
 
-def test_a_parameter_without_a_value_is_answered_with_how_an_empty_text_is_given() -> None:
+def test_a_parameter_without_a_value_is_answered_with_how_an_empty_one_is_given() -> None:
     error = RuntimeError("Couldn't parse parameter override rule: '-p model:='. Error: error not set")
-    assert refusal_of_ros(error) == "parameter model has no value: an empty text is -p \"model:=''\""
+    assert refusal_of_ros(error) == (
+        "parameter model has no value: an empty text is -p \"model:=''\", an empty list -p model:=[]"
+    )
 
 
 def test_lists_are_explained_only_where_one_is_given() -> None:

@@ -17,5 +17,8 @@ def refusal_of_ros(error: RuntimeError) -> str:
             f"ROS does not know the arguments {message}: allowed is --ros-args -p name:=value, and its like"
         )
     if empty := EMPTY_RULE.search(message):
-        return f"parameter {empty[1]} has no value: an empty text is -p \"{empty[1]}:=''\""
+        name = empty[1]
+        return (
+            f"parameter {name} has no value: an empty text is -p \"{name}:=''\", an empty list -p {name}:=[]"
+        )
     return f"{message}; {QUOTED}" if "parameter override" in message and ":=[" in message else message

@@ -96,7 +96,7 @@ def _wrong_type(node: Node, name: str, default: Any) -> str:  # noqa: ANN401
     example = default
     if isinstance(default, tuple):
         one_or_more = [given.value] if isinstance(given.value, bool | int | float | str) else given.value
-        example = list(default) or [str(one) for one in one_or_more]
+        example = list(default) or [str(one) for one in one_or_more if one != ""]
     elif isinstance(default, float) and given.type_ is Parameter.Type.INTEGER:
         example = float(given.value)
     return f"parameter {name} = {given.value!r}: a value of another type is expected, such as {example!r}"
