@@ -7,8 +7,10 @@ from typing import Generic, TypeVar
 from q2q_sim.air.learning.statistics.block_bootstrap import Spread
 
 T = TypeVar("T")
-AT_BOUND = 2e-3
-"""Share of its range within which a value is at the bound of its search."""
+AT_BOUND = 0.01
+"""Share of a bound within which a value is at it: fits end up to 0.8 % from it, steps of grids are 2 %."""
+ZERO = 1e-4
+"""Share of the upper bound below which an end of an interval is 0: fits end up to 2e-5 of it above 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,17 @@ def fitted_value(spread: Spread, k: int, path: str, rows: int, source: str) -> F
 
 
 def within_search(one: Fitted, bounds: tuple[float, float]) -> Fitted:
-    """Return a value, without interval if it is at a bound of its search, as the optimum may lie beyond."""
-    if min(abs(one.value - end) for end in bounds) > AT_BOUND * (bounds[1] - bounds[0]):
+    """Return a value, without interval if it is at a bound of its search, as the optimum may lie beyond.
+
+    No value is below a lower bound of 0: there it has no interval only if the whole interval is 0.
+    """
+    if not _is_at_bound(one, bounds):
         return one
     return replace(one, low=None, high=None, source=f"{one.source}; at the bound of its search")
+
+
+def _is_at_bound(one: Fitted, bounds: tuple[float, float]) -> bool:
+    low, high = bounds
+    if any(abs(one.value - end) < AT_BOUND * end for end in bounds):
+        return True
+    return low == 0.0 and one.high is not None and one.high < ZERO * high
