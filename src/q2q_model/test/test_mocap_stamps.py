@@ -208,5 +208,5 @@ def test_vehicles_come_back_after_lost_frames_at_any_rate(rate: float) -> None:
         if 12.5 + 4.0 / rate + 0.06 < t:
             assert state.status[0] == TrackStatus.TRACKED
             assert state.age[0] == 0.0
-        assert bool(block.warnings.seldom) == (rate < 2.0 / 0.35 and k >= 5)
+        assert bool(block.warnings.low_rate) == (rate < 2.0 / 0.35 and k >= 5)
     np.testing.assert_allclose(np.abs(state.quat), turned)  # a turn that lasts is accepted, too

@@ -31,7 +31,7 @@ def test_a_fault_is_warned_of_once_it_lasts_with_its_vehicles() -> None:
         (FrameWarnings(outside=PAIR), "in metres"),
         (FrameWarnings(not_unit=PAIR), "unit length"),
         (FrameWarnings(upside_down=PAIR), "x, y, z, w"),
-        (FrameWarnings(seldom=PAIR), "coast_s"),
+        (FrameWarnings(low_rate=PAIR), "coast_s"),
         (FrameWarnings(missing=PAIR), "no position"),
     ):
         assert reported(wrong, lasts - 2) == []

@@ -23,8 +23,8 @@ class FrameWarnings(NamedTuple):
     """They have no position."""
     rejected: Names = ()
     """Their positions fail the gates on jumps."""
-    seldom: Names = ()
-    """Frames come so seldom that they are lost with a single one."""
+    low_rate: Names = ()
+    """The frame rate is so low that one lost frame loses them."""
 
 
 @dataclass(frozen=True, slots=True)

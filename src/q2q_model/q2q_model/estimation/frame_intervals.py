@@ -15,17 +15,14 @@ class FrameIntervals:
 
     def __init__(self) -> None:
         self._last: deque[float] = deque(maxlen=COUNT)
+        self.period = 0.0
+        """Period of the frames [s]; 0 until it is known."""
+        self.longest = GAP_S
+        """Longest interval that is no gap [s]."""
 
     def add(self, interval: float) -> None:
         """Add the interval before a frame [s]."""
         self._last.append(interval)
-
-    @property
-    def period(self) -> float:
-        """Return the period of the frames [s]; 0 until it is known."""
-        return min(self._last) if len(self._last) == COUNT else 0.0
-
-    @property
-    def longest(self) -> float:
-        """Return the longest interval that is no gap [s]."""
-        return max(GAP_S, PERIODS * self.period)
+        if len(self._last) == COUNT:
+            self.period = min(self._last)
+            self.longest = max(GAP_S, PERIODS * self.period)

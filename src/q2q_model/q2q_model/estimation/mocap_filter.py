@@ -1,7 +1,7 @@
 """Causal filter from motion-capture frames to the state of every vehicle, with outlier rejection.
 
 The paper removes outliers from recorded flights (section 2.2). In flight the future is unknown, so each
-sample passes gates that share the paper's thresholds (outlier_thresholds), and a vehicle without a
+sample passes gates that share the paper's thresholds (outlier_thresholds), and a vehicle without an
 accepted sample coasts at constant velocity. Tracking is in the folders position and attitude, the match of
 rows by name in frame_rows. This file is about frames:
 
@@ -22,8 +22,8 @@ rows by name in frame_rows. This file is about frames:
   go on in the new time, their last samples as old as the first of these stamps. By more than `clock_jump_s`
   it is another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
-  tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
-  more than GAP_S, or where frames come less often from before a lost one (frame_intervals), do not count.
+  tracked again once its samples have stayed together for `reacquire_s`. Rejected samples from before a gap
+  do not count. A gap is more than GAP_S or, where frames come less often, a lost frame (frame_intervals).
 """
 
 from dataclasses import fields, replace
@@ -80,8 +80,8 @@ class MocapFilter:
     def warnings(self) -> FrameWarnings:
         """Return the vehicles of which the last frame was wrong."""
         found = FrameWarnings(*map(self._named, self._wrong))
-        seldom = 2.0 * self._intervals.period > self._params.coast_s + SAME_INSTANT
-        return found._replace(seldom=self._names) if seldom else found
+        low_rate = 2.0 * self._intervals.period > self._params.coast_s + SAME_INSTANT
+        return found._replace(low_rate=self._names) if low_rate else found
 
     @property
     def refuses_names(self) -> bool:

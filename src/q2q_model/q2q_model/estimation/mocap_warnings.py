@@ -17,7 +17,7 @@ _WORDS = {
     "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
     "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",
     "upside_down": "upside down by their quaternions: {}; are these x, y, z, w, and markers as defined?",
-    "seldom": "frames come so seldom that one lost frame loses vehicles: {}; is coast_s two periods or more?",
+    "low_rate": "the frame rate is too low for coast_s: one lost frame loses vehicles: {}",
     "missing": "no position of {}: are its markers seen, and is this its name in motion capture?",
 }
 
@@ -43,7 +43,7 @@ class MocapWarnings:
         before, self.text = self.text, self._lasting(t)
         if self.text == before:
             return ""
-        return self.text or "motion capture is well again"
+        return self.text or "motion capture is sound again"
 
     def _lasting(self, t: float) -> str:
         """Return what has lasted, with the vehicles."""
