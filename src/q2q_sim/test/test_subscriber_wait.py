@@ -5,7 +5,7 @@ from q2q_sim.bag_topics.subscriber_wait import SubscriberWait
 
 def begun(wait: SubscriberWait, *looks: tuple[float, int, int]) -> list[bool]:
     """Return at which times [s] the wait is over, from the matches of two topics."""
-    return [wait.is_over(now, {"/mocap": mocap, "/state": state}) for now, mocap, state in looks]
+    return [wait.update(now, {"/mocap": mocap, "/state": state}) for now, mocap, state in looks]
 
 
 def test_a_playback_begins_half_a_second_after_the_last_match() -> None:

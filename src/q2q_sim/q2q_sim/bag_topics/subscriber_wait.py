@@ -16,7 +16,7 @@ class SubscriberWait:
         self._began = self._changed = now
         self._matches: dict[str, int] = {}
 
-    def is_over(self, now: float, matches: Mapping[str, int]) -> bool:
+    def update(self, now: float, matches: Mapping[str, int]) -> bool:
         """Return whether to begin at wall time now [s], from the matched subscribers of each topic."""
         if matches != self._matches:
             self._matches, self._changed = dict(matches), now

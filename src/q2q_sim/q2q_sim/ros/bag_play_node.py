@@ -98,7 +98,7 @@ class Player:
         matches = {topic: self._writers[topic].get_subscription_count() for topic in sorted(late)}
         if self._answers is not None:
             matches[self._params.wait_for] = self._answers.get_publisher_count()
-        if not self._begun and not self._wait.is_over(monotonic(), matches):
+        if not self._begun and not self._wait.update(monotonic(), matches):
             return
         self._waiting.cancel()
         if not self._begun:
