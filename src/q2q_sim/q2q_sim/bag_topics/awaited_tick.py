@@ -34,8 +34,8 @@ class AwaitedTick:
         Raises:
             ValueError: the message has no header.
         """
-        tick = self.awaited
-        return tick is not None and header_stamp_ns(message) == header_stamp_ns(tick.data)
+        stamp_ns = header_stamp_ns(message)
+        return self.awaited is not None and stamp_ns == header_stamp_ns(self.awaited.data)
 
     def unanswered(self, now: float) -> Sequence[RawMessage]:
         """Return the messages of the tick if they are to be played again at wall time now [s]."""
