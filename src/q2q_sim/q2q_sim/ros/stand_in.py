@@ -78,6 +78,10 @@ class NullEntity:
         """Return one, so that publishers do not skip their messages."""
         return 1
 
+    def get_publisher_count(self) -> int:
+        """Return one, so that nobody waits for a publisher."""
+        return 1
+
     def info(self, _: str, **__: object) -> None:
         """Ignore a line."""
 
