@@ -66,30 +66,29 @@ def test_a_call_at_the_wrong_time_is_refused_orders_nothing_and_changes_nothing(
 @pytest.mark.parametrize(
     ("step", "call"), [(Step.CHECKED, Call.TAKE_OFF), (Step.CHECKED, Call.START), (Step.HOVER, Call.FLY)]
 )
-def test_vehicles_whose_controller_is_cut_are_not_flown(step: Step, call: Call) -> None:
-    bench = up_to(step)
-    bench.cut = ("cf2",)
-    answer = bench.call(call)
-    assert answer is not None
-    assert not answer.granted
-    assert answer.reason.startswith("the controller has cut cf2 (all/emergency")
-    assert (
-        "restart it; after a loss of measurements stamps that are set back by more than 1 s" in answer.reason
-    )
-    bench.wait(2.0)
-    assert bench.sent == []
-
-
 @pytest.mark.parametrize(
-    ("step", "call"), [(Step.CHECKED, Call.TAKE_OFF), (Step.CHECKED, Call.START), (Step.HOVER, Call.FLY)]
+    ("unflyable", "said"),
+    [
+        (
+            "cut",
+            (
+                "the controller has cut cf2 (all/emergency",
+                "restart it; after a loss of measurements stamps that are set back by more than 1 s",
+            ),
+        ),
+        ("without_attitude", ("cf2 was never measured upright: are its quaternions x, y, z, w",)),
+    ],
 )
-def test_vehicles_without_an_attitude_are_not_flown(step: Step, call: Call) -> None:
+def test_vehicles_that_are_cut_or_without_an_attitude_are_not_flown(
+    step: Step, call: Call, unflyable: str, said: tuple[str, ...]
+) -> None:
     bench = up_to(step)
-    bench.without_attitude = ("cf2",)
+    setattr(bench, unflyable, ("cf2",))
     answer = bench.call(call)
     assert answer is not None
     assert not answer.granted
-    assert answer.reason.startswith("cf2 was never measured upright: are its quaternions x, y, z, w")
+    assert answer.reason.startswith(said[0])
+    assert all(words in answer.reason for words in said)
     bench.wait(2.0)
     assert bench.sent == []
 

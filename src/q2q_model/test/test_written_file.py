@@ -2,13 +2,12 @@
 
 import errno
 import os
-import resource
 import stat
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from full_disk import full_after
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.written_file import naming_written, write_text
@@ -34,17 +33,6 @@ def test_a_name_that_the_error_has_is_kept(tmp_path: Path) -> None:
 def test_a_text_is_written_in_utf_8(tmp_path: Path) -> None:
     write_text("1 N²s\n", tmp_path / "text")
     assert (tmp_path / "text").read_bytes() == b"1 N\xc2\xb2s\n"
-
-
-@contextmanager
-def full_after(size: int) -> Iterator[None]:
-    """Let this process write no file beyond a size [bytes], as on a full disk."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o644, 0o755])
