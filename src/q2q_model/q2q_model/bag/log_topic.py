@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from q2q_model.bag.reader import BagReader
-from q2q_model.bag.storage.definitions import jazzy_types
+from q2q_model.bag.storage.definitions import jazzy_types, naming_message
 from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.bag.writer import BagWriter
@@ -84,9 +84,6 @@ def read_flight_log(path: Path | str) -> FlightLog:
 
 
 def _decoded(bag: BagReader, found: RawMessage) -> _Row:
-    try:
+    with naming_message(bag.path, found, LOG_TYPE):
         message: _Row = jazzy_types().deserialize_cdr(found.data, LOG_TYPE)
-    except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
-        where = f"topic {found.topic} at {found.stamp_ns} ns"
-        raise BagError(f"bag {bag.path}, {where}: no {LOG_TYPE} ({damage})") from damage
     return message

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from q2q_model.bag import BagError, BagReader, RawMessage
-from q2q_model.bag.storage.definitions import jazzy_types
+from q2q_model.bag import BagReader, RawMessage
+from q2q_model.bag.storage.definitions import jazzy_types, naming_message
 from q2q_model.diagnostics.health import Level
 
 TOPIC = "/diagnostics"
@@ -65,11 +65,8 @@ def recorded_lives(bag: Path) -> tuple[NodeLife, ...]:
 
 
 def _decoded(bag: Path, raw: RawMessage) -> _Array:
-    try:
+    with naming_message(bag, raw, TYPE):
         message: _Array = jazzy_types().deserialize_cdr(raw.data, TYPE)
-    except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
-        where = f"topic {raw.topic} at {raw.stamp_ns} ns"
-        raise BagError(f"bag {bag}, {where}: no {TYPE} ({damage})") from damage
     return message
 
 

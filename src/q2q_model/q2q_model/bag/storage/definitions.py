@@ -1,6 +1,8 @@
 """Message definitions without ROS: common types from rosbags, those of q2q_msgs from their .msg files."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -8,6 +10,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.storage.errors import BagError
+from q2q_model.bag.storage.source import RawMessage
 
 PACKAGE = "q2q_msgs"
 
@@ -32,6 +35,16 @@ def definition_of(type_name: str) -> tuple[str, str]:
         ours = ", ".join(sorted(name for name in store.fielddefs if name.startswith(PACKAGE)))
         raise BagError(f"no definition of message type {type_name!r}; known are common ROS types, {ours}")
     return store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name)
+
+
+@contextmanager
+def naming_message(bag: Path, found: RawMessage, type_name: str) -> Iterator[None]:
+    """Raise BagError, which names the message, for whatever decoding it as this type raises."""
+    try:
+        yield
+    except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
+        where = f"topic {found.topic} at {found.stamp_ns} ns"
+        raise BagError(f"bag {bag}, {where}: no {type_name} ({damage})") from damage
 
 
 def _message_folder() -> Path:
