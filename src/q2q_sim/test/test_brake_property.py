@@ -149,6 +149,13 @@ def test_in_another_air_a_vehicle_is_not_judged_that_a_gust_has_blown_by_more_th
     assert bool(brake(run, replace(ticks, pushes=tuple(pushed))).violations) == judged
 
 
+@pytest.mark.parametrize(("gust_std", "judged"), [(0.0, True), (1.0, False)])
+def test_in_the_scenarios_own_air_its_gusts_hide_a_motion_too(gust_std: float, *, judged: bool) -> None:
+    run, ticks = two_vehicles(), level_flight(1.0, 0.0)
+    gusty = replace(run, document={**run.document, "disturbance": {"air_std": gust_std}})
+    assert bool(brake(gusty, ticks).violations) == judged
+
+
 def test_a_steady_push_is_learned_as_by_the_observer_of_dead_reckoning() -> None:
     steady = np.tile([0.3, -0.2], (END, 2, 1))
     t = OBSERVER[0] * TICK_S * np.arange(1, END + 1)

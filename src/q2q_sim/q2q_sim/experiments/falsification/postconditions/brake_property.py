@@ -104,7 +104,5 @@ def _judged(run: Run, ticks: RunTicks) -> Mask:
         | after_late_frame(ticks, faults)
         | after_rotor_change(ticks, faults)
     )
-    hidden |= in_ignored_downwash(ticks, aware=run.options.aware) | hidden_by_gusts(
-        ticks, air=run.scenario.air
-    )
+    hidden |= in_ignored_downwash(ticks, aware=run.options.aware) | hidden_by_gusts(run, ticks)
     return np.asarray(is_blind(ticks.command_status) & ~hidden)

@@ -7,7 +7,7 @@
 | late, stale | if it was last measured with the velocity of an earlier frame |
 | weak_rotor | from the change of a rotor on, unless measured for LEARNT_S since then |
 | none, but the controller ignores the downwash | from a push of PUSH after its last measurement on |
-| none, but another air than the scenario's | once blown or tilted since its last measurement, or in it |
+| none | once blown since its last measurement; in another air than the scenario's, once tilted, too |
 
 Blown is a vehicle whose velocity gusts have changed by BLOWN; a gust counts by what it differs from the push
 that the observer of dead reckoning had learned when the vehicle was last measured (learned_push), until the
@@ -24,9 +24,11 @@ from scipy.signal import lfilter
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
+from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
+from q2q_sim.loop.scenario_air import ambient_of_scenario
 from q2q_sim.monitors.policies.exemptions.sensor_errors import RECOVERY_S
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import PUSH
 
@@ -94,18 +96,34 @@ def in_ignored_downwash(ticks: RunTicks, *, aware: bool) -> Mask:
     return np.asarray(_last(pushed, otherwise=-1) > last_measured(ticks))
 
 
-def hidden_by_gusts(ticks: RunTicks, *, air: str) -> Mask:
-    """Return where gusts or the torque of a wake hide a motion in another air than the scenario's, (T, n)."""
+def hidden_by_gusts(run: Run, ticks: RunTicks) -> Mask:
+    """Return where gusts hide a motion, (T, n).
+
+    In another air than the scenario's the torque of a wake hides it, too.
+    """
     last, t = last_measured(ticks), np.arange(len(ticks.t))[:, None]
-    if not air:
-        return np.zeros(last.shape, dtype=np.bool_)
     effect = np.minimum(t + round(LAG_S / TICK_S), t[-1])
-    push = over_ticks(ticks.pushes, "acc")[..., :2]
+    push = _unpredicted_push(run, ticks)
     gained = TICK_S * np.cumsum(push, axis=0)
     seen, learned = (np.take_along_axis(one, last[..., None], axis=0) for one in (gained, learned_push(push)))
     unknown = gained[effect[:, 0]] - seen - TICK_S * learned * (effect - last)[..., None]
+    blown = np.asarray(np.linalg.norm(unknown, axis=2) > BLOWN)
+    if not run.scenario.air:
+        return blown
     tilted = _last(_below_another(over_ticks(ticks.truth, "pos")), otherwise=-1) >= last
-    return np.asarray((np.linalg.norm(unknown, axis=2) > BLOWN) | tilted)
+    return np.asarray(blown | tilted)
+
+
+def _unpredicted_push(run: Run, ticks: RunTicks) -> Array:
+    """Return what pushes the vehicles and is not predicted, horizontal [m/s^2], (T, n, 2).
+
+    In another air it is all that is recorded as its push, in the scenario's own its gusts, which are not
+    recorded: they are drawn again.
+    """
+    if run.scenario.air:
+        return over_ticks(ticks.pushes, "acc")[..., :2]
+    ambient = ambient_of_scenario(run.scenario, TICK_S, run.seed)
+    return np.stack([ambient.drive()[:, :2] for _ in ticks.t])
 
 
 def learned_push(push: Array) -> Array:
