@@ -30,6 +30,14 @@ def test_a_command_on_an_old_state_breaks_the_age_unless_it_says_so() -> None:
     assert broken(lambda one: says(old(one))) == set()
 
 
+@pytest.mark.parametrize(("attribute", "value", "broken_by_it"), [
+    ("quat", np.nan, set()), ("quat", np.inf, {"numbers"}), ("vel", np.nan, {"numbers"}),
+])  # fmt: skip
+def test_a_state_may_not_know_an_attitude(attribute: str, value: float, broken_by_it: set[str]) -> None:
+    unknown = changed(SwarmState, 0.0, 0.015, **{attribute: with_row(1, value)})
+    assert broken(unknown) == broken_by_it
+
+
 def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> None:
     def gone(ticks: int) -> Change:
         # NaN: seen as nowhere

@@ -177,10 +177,9 @@ def _seen(grid: TickGrid, frames: Topic, true_pos: Array) -> NDArray[np.bool_]:
     return seen
 
 
-_MAY_BE_NAN = {"std"}
-"""Attributes in which NaN means unknown."""
-_MAY_BE_INFINITE = {"age"}
-"""Attributes in which infinity means never."""
+_WITHOUT_MEANING = {"age": np.isnan, "std": np.isinf, "quat": np.isinf}
+"""What an attribute must not be that may be NaN or infinite: an infinite age means never, a NaN of a
+deviation unknown, of an attitude that the vehicle was never measured upright."""
 
 
 def _first_not_finite(name: str, topic: Topic) -> str:
@@ -190,11 +189,11 @@ def _first_not_finite(name: str, topic: Topic) -> str:
         return ""
     for attribute in signals[0].__dataclass_fields__:
         one = getattr(signals[0], attribute)
-        if attribute in _MAY_BE_NAN or not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
+        if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
-        lost = np.isnan if attribute in _MAY_BE_INFINITE else _not_finite
-        if any(lost(values).any() for values in topic.values(attribute).values()):
-            first = next(signal for signal in signals if lost(getattr(signal, attribute)).any())
+        wrong = _WITHOUT_MEANING.get(attribute, _not_finite)
+        if any(wrong(values).any() for values in topic.values(attribute).values()):
+            first = next(signal for signal in signals if wrong(getattr(signal, attribute)).any())
             return f"{name} at {first.t:.3f} s: {attribute} is not finite"
     return ""
 
