@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.downwash.level_set import STEP, LevelSet, level_set
+from q2q_model.downwash.level_set import STEP, LevelSet, level_set, push_at_range
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 
 coordinate = st.floats(-3.0, 3.0)
@@ -74,6 +74,15 @@ def test_a_level_sets_boundary_is_where_the_downwash_is_the_threshold():
     assert (LEVEL.signed_distance(on_it * [1.2, 1.0, 1.0]) > 0.0).all()
     height = 0.83 * np.sqrt(0.392 / 0.1) - 0.33  # of the power law on the axis
     assert pytest.approx(height, abs=STEP) == LEVEL.d
+
+
+@pytest.mark.parametrize("reach", [0.35, 0.7, 1.1, 1.2, 1.38, 1.4, 2.76, 3.0])
+def test_the_downwash_at_the_end_of_a_range_is_that_on_the_axis_there(reach: float) -> None:
+    """35 steps of 0.01 are above 0.35, 110 of them below 1.1 in float64."""
+    law = Jet(decay="exponential", range=reach)
+    end = np.array([0.0, 0.0, reach])
+    on_axis = float(law.push(end, pairs_at_rest(end)))
+    assert push_at_range(law) == pytest.approx(on_axis, rel=STEP)  # a step before the end it is 1 % more
 
 
 def test_beyond_its_table_a_level_set_never_claims_more_than_the_true_distance():

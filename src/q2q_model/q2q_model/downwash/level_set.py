@@ -88,7 +88,9 @@ def peak_downwash(model: InteractionModel) -> float:
 
 def push_at_range(model: InteractionModel) -> float:
     """Return the largest downwash of a law at the end of its reach below [m/s^2], where zones end."""
-    return float(_strength(model)[:, int(model.reach.vertical / STEP)].max())
+    strength = _strength(model)
+    last = np.searchsorted(STEP * np.arange(strength.shape[1]), model.reach.vertical, side="right") - 1
+    return float(strength[:, last].max())
 
 
 def _strength(model: InteractionModel) -> Array:
