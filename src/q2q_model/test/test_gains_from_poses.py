@@ -42,6 +42,15 @@ def test_vehicles_that_stay_at_their_references_show_no_gains(k_p: float, k_d: f
     assert "moves vehicles nowhere 5 times as far from their references as the" in note
 
 
+def test_vehicles_that_never_leave_their_references_show_no_gains() -> None:
+    """As where the reference of a recording is the measured position: no loop leaves any residual."""
+    exact = [record_of(replace(SETTLES, name=name, start=0.0, noise=0.0)) for name in "ab"]
+    fit, (note,) = gains_from_poses(exact, CRAZYFLIE_2_0)
+    assert not fit.holds
+    assert (fit.k_p.low, fit.k_p.high, fit.k_d.low, fit.k_d.high) == (0.0, 200.0, 0.0, 50.0)
+    assert "from their references as the 0 mm that it leaves unexplained" in note
+
+
 def test_gains_stay_known_while_vehicles_hover_after_they_settled() -> None:
     """Of 60 s, noise of 2 mm is a fifth of the mean square deviation."""
     made = replace(SETTLES, start=0.07, noise=2e-3, seconds=60.0, loop=AltitudeLoop(8.0, 4.0))

@@ -158,7 +158,7 @@ def is_better(more: TrajectoryGains, less: TrajectoryGains) -> bool:
     """Return whether an F test finds the extra terms of `more` significant."""
     extra = more.terms - less.terms
     freedom = max(more.rows - more.terms, 1.0)
-    ratio = (less.rms**2 - more.rms**2) / more.rms**2 * freedom / extra
+    ratio = (less.rms**2 - more.rms**2) / max(more.rms**2, 1e-300) * freedom / extra
     return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < SIGNIFICANCE)
 
 
