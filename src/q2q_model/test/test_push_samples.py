@@ -244,6 +244,13 @@ def held_out(family: str, form: JetForm) -> tuple[float, float]:
     return found.r2_exposed, found.mean_upper_mps2
 
 
+def test_vehicles_that_feel_nothing_at_all_leave_r2_undefined() -> None:
+    """As in a simulator without noise and downwash: R2 would divide by the square of what was felt."""
+    found = score(NoInteraction(), push_samples(record(passing(), np.zeros(1000))))
+    assert found.n > 0
+    assert (found.r2_exposed, found.r2_ahead_20ms, found.rmse_exposed_mps2) == (None, None, 0.0)
+
+
 @needs_flights
 def test_a_jet_predicts_real_flights_it_has_not_seen_feed_forward_off():
     r2, upper = held_out(OFF, JetForm())

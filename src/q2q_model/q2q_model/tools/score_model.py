@@ -84,9 +84,10 @@ def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, lis
 
 
 def _line(name: str, one: PushScore) -> str:
-    if one.r2_exposed is None:
+    if one.rmse_exposed_mps2 is None:
         return f"{name:32} no sample lies under another vehicle"
+    r2 = "undefined" if one.r2_exposed is None else f"{one.r2_exposed:6.3f}"
     upper = "" if one.mean_upper_mps2 is None else f", upper {one.mean_upper_mps2:+.3f} m/s^2"
     ahead = "" if one.r2_ahead_20ms is None else f", 20 ms ahead {one.r2_ahead_20ms:.3f}"
     rmse = f"rmse {one.rmse_exposed_mps2:.3f} m/s^2"
-    return f"{name:32} R2 {one.r2_exposed:6.3f}{ahead}, {rmse}, {one.n} rows{upper}"
+    return f"{name:32} R2 {r2}{ahead}, {rmse}, {one.n} rows{upper}"

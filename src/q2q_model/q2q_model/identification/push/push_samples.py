@@ -86,6 +86,7 @@ class PushScore:
     """Prediction scores of a model; None without rows."""
 
     r2_exposed: float | None
+    """None also if no push was felt: it is relative to that."""
     rmse_exposed_mps2: float | None
     mean_upper_mps2: float | None
     """Mean of y over upper rows [m/s^2]."""
@@ -137,7 +138,8 @@ def pooled_score(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[
         return PushScore(r2_exposed=None, rmse_exposed_mps2=None, mean_upper_mps2=mean_upper, n=0)
     missed = sum(float(part @ part) for part in misses)
     total = sum(float(part @ part) for part in y)
-    return PushScore(1.0 - missed / total, float(np.sqrt(missed / n)), mean_upper, n)
+    r2 = 1.0 - missed / total if total > 0.0 else None
+    return PushScore(r2, float(np.sqrt(missed / n)), mean_upper, n)
 
 
 @dataclass(frozen=True, slots=True)
