@@ -125,6 +125,17 @@ def test_an_error_of_the_operating_system_is_its_path_and_words(
     assert capsys.readouterr().err == f"tool: {tmp_path}: Is a directory\n"
 
 
+def test_notes_of_an_error_are_printed_before_it(capsys: pytest.CaptureFixture[str]) -> None:
+    refusal = ValueError("nothing can be fitted")
+    refusal.add_note("the first flight has a hole")
+
+    def refuse(_: argparse.Namespace) -> int:
+        raise refusal
+
+    assert run_command(made(), lambda _: refuse, []) == 1
+    assert capsys.readouterr().err == "tool: the first flight has a hole\ntool: nothing can be fitted\n"
+
+
 def test_help_shows_the_example(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(SystemExit) as ended:
         made().parse_args(["--help"])

@@ -165,8 +165,11 @@ def test_where_every_candidate_fails_identify_gives_the_reason_of_each(monkeypat
     monkeypatch.setattr(identification_module, "candidates", all_fail)
     flown = [Recording(made_flight(Pass(name=f"{gap} m", gap=gap, noise=1e-4))) for gap in (0.4, 0.5)]
     reasons = "short: dropped, too few samples; long: dropped, too few samples"
-    with pytest.raises(ValueError, match=f"no model can be fitted to these flights: {reasons}$"):
+    with pytest.raises(ValueError, match="no model") as refused:
         identify(flown, ProcedureParams(model_type="jet"), lambda _: None)
+    assert str(refused.value) == f"no model can be fitted to these flights: {reasons}"
+    pushes = "push of 2 flights is from imu and command, with a thrust lag of 0.07 s"
+    assert pushes in refused.value.__notes__  # remarks of the steps before are not lost
 
 
 def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_downwash():

@@ -85,7 +85,7 @@ def run_command(
             the work. The namespace also contains the unparsed arguments: `argv`, and `ros_argv` of ROS.
         argv: arguments (None: sys.argv).
         interrupted: message after Ctrl-C; the status is 130.
-        refused: exit status after a ValueError or OSError.
+        refused: exit status after a ValueError or OSError, whose notes are printed before it.
     """
     _replace_unprintable()
     own, of_ros = split_at_ros(argv)
@@ -107,7 +107,8 @@ def run_command(
         if isinstance(refusal, BrokenPipeError) and not output_is_read():
             drop_output()
             return CUT_OFF
-        print(f"{line.prog}: {failure_reason(refusal)}", file=sys.stderr)
+        for said in (*getattr(refusal, "__notes__", ()), failure_reason(refusal)):
+            print(f"{line.prog}: {said}", file=sys.stderr)
         return refused
 
 

@@ -86,32 +86,49 @@ def identify(
 
     Raises:
         ValueError: a flight lacks data that a step needs; the message names what to record. Or the downwash
-            was not measured, and gains show that z is not up.
+            was not measured, and gains show that z is not up. Its notes are the remarks of the steps before.
     """
-    on_step("records")
-    flown, holes = zip(*(recorded_altitudes(one, params.vehicle) for one in recordings), strict=True)
-    on_step("gains")
-    records = [*chain(*flown)]
-    gains, remarks = recorded_gains(records, recordings, params.vehicle)
-    loop, known = predicting_loop(gains, flown, params.vehicle)
-    on_step("pushes")
-    pushes, notes = _pushes(recordings, params.vehicle)
-    pushed = [sample for samples in pushes for sample in samples]
-    data = [IdentificationData(*pair) for pair in zip(known, pushes, strict=True)]
+    remarks: list[str] = []
+    try:
+        return _identified(recordings, params, on_step, remarks)
+    except ValueError as refusal:
+        for remark in remarks:
+            refusal.add_note(remark)
+        raise
+
+
+@dataclass(frozen=True, slots=True)
+class _Prepared:
+    """Data of all flights, and the loop that predicts their altitudes."""
+
+    records: tuple[AltitudeRecord, ...]
+    gains: GainFit
+    loop: AltitudeLoop
+    data: tuple[IdentificationData, ...]
+
+
+def _identified(
+    recordings: Sequence[Recording], params: ProcedureParams, on_step: StepCallback, remarks: list[str]
+) -> Identification:
+    """Take the steps of the procedure; each adds its remarks."""
+    found = _prepared(recordings, params.vehicle, on_step, remarks)
+    gains, loop, data = found.gains, found.loop, found.data
     on_step("zone")
     _check_inference(gains, data)
-    decay, no_decay = _decay(records)
-    omitted = network_notes(params.model_type, data)
+    decay, no_decay = _decay(found.records)
+    remarks += [*no_decay, *network_notes(params.model_type, data)]
     trials, failed = score_candidates(candidates(params.model_type, data, loop), data, loop, on_step)
     on_step("final fit")
     best, model, unfit = fit_best(trials, data, failed)
     model = with_deviation(best.candidate, model, data)
-    zone, on_zone = _learned_zone(model, params.threshold, records)
+    zone, on_zone = _learned_zone(model, params.threshold, found.records)
     train = score_on(model, data, loop)
     spread = parameter_intervals(best.candidate, model, data, loop)
-    doubted = model_doubts(gains, Scores(train, best.held_out), data, model, dict(spread))
+    doubts = model_doubts(gains, Scores(train, best.held_out), data, model, dict(spread))
+    remarks += [*failed, *unfit, *on_zone, *doubts]
+    pushes = [one for flight in data for one in flight.pushes]
     return Identification(
-        data=tuple(data),
+        data=data,
         gains=gains,
         decay=decay,
         trials=tuple(trials),
@@ -119,12 +136,30 @@ def identify(
         train=train,
         held_out=best.held_out,
         spread=spread,
-        loading=dict(spread).get("loading") or loading_of(model, pushed),
-        residual=(residual := fit_residual(model, pushed)),
+        loading=dict(spread).get("loading") or loading_of(model, pushes),
+        residual=(residual := fit_residual(model, pushes)),
         zone=zone,
         file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, recordings)),
-        remarks=tuple(chain(*holes, remarks, notes, no_decay, omitted, failed, unfit, on_zone, doubted)),
+        remarks=tuple(remarks),
     )
+
+
+def _prepared(
+    recordings: Sequence[Recording], vehicle: Vehicle, on_step: StepCallback, remarks: list[str]
+) -> _Prepared:
+    on_step("records")
+    flown, holes = zip(*(recorded_altitudes(one, vehicle) for one in recordings), strict=True)
+    remarks += chain(*holes)
+    on_step("gains")
+    records = tuple(chain(*flown))
+    gains, on_gains = recorded_gains(records, recordings, vehicle)
+    remarks += on_gains
+    loop, known = predicting_loop(gains, flown, vehicle)
+    on_step("pushes")
+    pushes, on_pushes = _pushes(recordings, vehicle)
+    remarks += on_pushes
+    data = tuple(IdentificationData(*pair) for pair in zip(known, pushes, strict=True))
+    return _Prepared(records, gains, loop, data)
 
 
 def _check_inference(gains: GainFit, data: Sequence[IdentificationData]) -> None:
