@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.bag import BagError, BagWriter, write_log_row
+from q2q_model.bag import LOG_TOPIC, BagError, BagWriter, write_log_row
+from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.push.recorded_push import LOG_MASS, motion_of, push_of_log
 from q2q_model.recordings.recording_reader import recording_of_bag
@@ -24,14 +25,16 @@ def _log() -> FlightLog:
     return FlightLog(T, ("cf1", "cf2"), COLUMNS, ("",) * len(COLUMNS), values)
 
 
-def _bag(path: Path, log: FlightLog) -> Path:
+def _bag(path: Path, *logs: FlightLog) -> Path:
     level = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     with BagWriter(path) as bag:
         for t in T:
             frame = MocapFrame(float(t), ("cf1", "cf2"), np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]), level)
             bag.write_signal("/mocap", round(t * 1e9), frame)
-        for row in range(log.t.size):
-            write_log_row(bag, log, row)
+        bag.add_topic(LOG_TOPIC, LOG_TYPE)
+        for log in logs:
+            for row in range(log.t.size):
+                write_log_row(bag, log, row)
     return path
 
 
@@ -72,3 +75,13 @@ def test_a_log_of_other_vehicles_or_another_clock_is_refused(tmp_path: Path):
     booted = replace(_log(), t=T - T[0] + 7.0)
     with pytest.raises(BagError, match=r"none of the 200 rows of its log \(7\.000 to 8\.990 s\) .*200 ticks"):
         recording_of_bag(_bag(tmp_path / "booted", booted))
+
+
+def test_a_log_whose_columns_change_is_refused_and_one_without_a_row_is_none(tmp_path: Path) -> None:
+    assert recording_of_bag(_bag(tmp_path / "silent")).log is None
+    first, second = (
+        replace(_log(), t=T[half], values=_log().values[half]) for half in (slice(100), slice(100, 200))
+    )
+    renamed = replace(second, columns=("vbat", *COLUMNS[1:]))
+    with pytest.raises(BagError, match="columns of /log change during the flight; split the bag there"):
+        recording_of_bag(_bag(tmp_path / "changed", first, renamed))

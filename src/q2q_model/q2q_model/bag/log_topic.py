@@ -56,6 +56,11 @@ def write_log_row(bag: BagWriter, log: FlightLog, row: int) -> None:
     bag.write_raw(LOG_TOPIC, stamp_ns, bytes(jazzy_types().serialize_cdr(message, LOG_TYPE)))
 
 
+def has_log(path: Path | str) -> bool:
+    """Return whether a bag has a message of a log; raise BagError if it cannot be read."""
+    return any(one.type_name == LOG_TYPE and one.count > 0 for one in BagReader(path).channels)
+
+
 def read_flight_log(path: Path | str) -> FlightLog:
     """Return the log of a flight.
 

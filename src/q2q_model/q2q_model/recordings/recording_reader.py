@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.bag import BagError, TopicMap, is_bag, read_flight, read_flight_log, read_mapped_flight
-from q2q_model.bag.log_topic import LOG_TYPE
+from q2q_model.bag.log_topic import LOG_TYPE, has_log
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.joined_flight import flight_from_signals
@@ -58,7 +58,7 @@ def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
     """Return the flight in a bag with its log, as `flight_of_bag` reads it.
 
     Raises:
-        BagError: the bag cannot be read, or flight and log do not fit.
+        BagError: the bag or its log cannot be read, or flight and log do not fit.
         ValueError: its positions are not in metres, or no vehicle has one.
     """
     flight = flight_of_bag(bag, topics)
@@ -90,11 +90,12 @@ def _recording(flight: Flight, log: FlightLog | None) -> Recording:
 
 
 def _log(bag: Path) -> FlightLog | None:
-    """Return a bag's log of additional columns; None if it has none, by its metadata where possible."""
+    """Return a bag's log of additional columns; None if it has none, by its metadata where possible.
+
+    Raises:
+        BagError: it cannot be read, or its vehicles or columns change.
+    """
     metadata = bag / "metadata.yaml"
     if metadata.is_file() and LOG_TYPE not in metadata.read_text(encoding="utf-8", errors="replace"):
         return None
-    try:
-        return read_flight_log(bag)
-    except BagError:
-        return None
+    return read_flight_log(bag) if has_log(bag) else None
