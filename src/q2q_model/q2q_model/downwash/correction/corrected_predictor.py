@@ -12,6 +12,7 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 
 | input | output |
 |---|---|
+| a repeated stamp | the previous output, also if its tick was measured since |
 | no measurement yet, one of another vehicle, NaN | the prediction unchanged |
 | a measurement older than `OLDEST` | the prediction unchanged: nothing of the residual is left |
 | a measurement not later than the last, or of a time without prediction | ignored |
@@ -29,7 +30,7 @@ from q2q_model.downwash.correction.measured_push import MeasuredPush
 from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProcess
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.signals.recent_ticks import RecentTicks
-from q2q_model.signals.repeated_stamp import StampOrder
+from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -141,16 +142,21 @@ class CorrectedPredictor:
     def __init__(self, predictor: InteractionPredictor, process: ResidualProcess, vehicle: Vehicle) -> None:
         self._predictor, self._push = predictor, MeasuredPush(vehicle)
         self._corrector = ResidualCorrector(process)
+        self._last: Interference | None = None
 
     def reset(self) -> None:
         """Forget the past."""
         self._predictor.reset()
         self._push.reset()
         self._corrector.reset()
+        self._last = None
 
     def update(self, state: SwarmState) -> Interference:
         """Return the corrected downwash on every vehicle of `state`, in its order."""
-        return self._corrector.update(self._predictor.update(state))
+        if is_repeated(self._last, state.t, state.names):
+            return self._last
+        self._last = self._corrector.update(self._predictor.update(state))
+        return self._last
 
     def sense(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
         """Take the measurements of a tick, after the prediction of that tick."""
