@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from q2q_model.downwash.interaction_model import (
-    UP,
     InteractionModel,
     ModelOutputError,
     PairMotion,
     Reach,
     pairs_at_rest,
 )
+from q2q_model.geometry.rotations import UP
 from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air import checked_wake

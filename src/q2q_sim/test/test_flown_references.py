@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, of_rows, of_vehicle
-from q2q_model.geometry.rotations import quat_from_euler
-from q2q_model.identification.gains.altitude_from_flight import UP
+from q2q_model.geometry.rotations import UP, quat_from_euler
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY

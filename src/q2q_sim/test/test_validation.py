@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.geometry.rotations import identity_quat, rotate
-from q2q_model.identification.gains.altitude_from_flight import UP
+from q2q_model.geometry.rotations import UP, identity_quat, rotate
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import PushRecord, scored_rows
 from q2q_model.signals.values import Array

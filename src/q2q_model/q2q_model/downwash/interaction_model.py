@@ -23,6 +23,7 @@ from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
+from q2q_model.geometry.rotations import UP
 from q2q_model.signals.values import Array
 
 
@@ -38,9 +39,6 @@ class Reach:
 
 EDGE = 4.3
 """Standard deviations at which a Gaussian has fallen to 1e-4."""
-
-UP = np.array([0.0, 0.0, 1.0])
-"""Body z of a level vehicle."""
 
 
 @dataclass(frozen=True, slots=True)

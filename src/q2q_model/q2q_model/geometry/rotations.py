@@ -22,6 +22,8 @@ from numpy.typing import ArrayLike
 
 from q2q_model.signals.values import Array
 
+UP = np.array([0.0, 0.0, 1.0])
+"""Vertical of the world, and body z of a level vehicle, (3,)."""
 _SMALL_ANGLE = 1e-8
 """Below this angle sin(x)/x rounds to 1 [rad]."""
 _TINY = 1e-150

@@ -11,7 +11,8 @@ positions of all vehicles remembered.
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import UP, InteractionModel, PairMotion
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
+from q2q_model.geometry.rotations import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CONTACT, GRAVITY
 

@@ -29,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.geometry.rotations import (
+    UP,
     integrate_quat,
     matrix_from_quat,
     normalised,
@@ -53,7 +54,6 @@ LARGEST_TURN = 10.0
 """Attitude error from which it is not corrected either [rad]."""
 POS_MAX, VEL_MAX = 100.0, 10.0
 """Bounds of an estimate [m], [m/s], kalman_supervisor.c."""
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True)

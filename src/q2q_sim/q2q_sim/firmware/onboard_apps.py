@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.onboard.native_app import AppLibrary, NativeApp, StepInput
-from q2q_model.geometry.rotations import rotate
+from q2q_model.geometry.rotations import UP, rotate
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -28,7 +28,6 @@ EVERY = 10
 """Steps between two broadcasts of a vehicle."""
 THRUST = CONTROL + 3
 """Column of the thrust command [PWM]."""
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model import palette
-from q2q_model.geometry.rotations import level_where_unknown, rotate
+from q2q_model.geometry.rotations import UP, level_where_unknown, rotate
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
@@ -161,7 +161,7 @@ class SceneBuilder:
 
     def _blown(self, state: SwarmState, row: int) -> tuple[Three, ...]:
         air = self._air.setdefault(state.names[row], AirTrail())
-        axis = rotate(state.quat[row], np.array([0.0, 0.0, 1.0]))
+        axis = rotate(state.quat[row], UP)
         air.add(state.t, state.pos[row], axis, self._params.d / self._params.wake_speed)
         return air.at(state.t, self._params.wake_speed)
 

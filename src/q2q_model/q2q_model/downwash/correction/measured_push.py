@@ -11,7 +11,7 @@
 
 import numpy as np
 
-from q2q_model.geometry.rotations import rotate
+from q2q_model.geometry.rotations import UP, rotate
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 
@@ -46,5 +46,5 @@ class MeasuredPush:
         self._thrust = np.where(np.isfinite(commanded), settled, before)
         felt = rows_by_name(imu.specific_force_body, imu.names, state.names, np.nan)
         force = rotate(state.quat, felt)[:, 2]
-        body_z = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
+        body_z = rotate(state.quat, UP)[:, 2]
         return np.asarray(force - self._thrust * body_z / self._vehicle.mass)

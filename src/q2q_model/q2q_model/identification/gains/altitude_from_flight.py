@@ -8,7 +8,7 @@ from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.flights.reference_remarks import reference_remarks
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference
 from q2q_model.flights.unit_check import check_flight_metres
-from q2q_model.geometry.rotations import rotate
+from q2q_model.geometry.rotations import UP, level_where_unknown, rotate
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.flown_pieces import (
     common_rows,
@@ -21,8 +21,6 @@ from q2q_model.identification.gains.velocity_limit import is_differentiated
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
-UP = np.array([0.0, 0.0, 1.0])
-"""Body z of a level vehicle."""
 STANDING = 0.25
 """Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
 flights, commands in the air are 0.64 or more."""
@@ -116,5 +114,4 @@ def _commanded_acc(flight: Flight, vehicle: Vehicle, known: Mask) -> Array:
 
 def _attitude(flight: Flight) -> Array:
     quat = np.where(np.isfinite(flight.quat), flight.quat, flight.mocap_quat)
-    axis = rotate(np.where(np.isfinite(quat), quat, [0.0, 0.0, 0.0, 1.0]), UP)
-    return np.asarray(axis)
+    return rotate(level_where_unknown(quat), UP)

@@ -25,8 +25,8 @@ from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import MOTORS, FlightLog, motor_duty
 from q2q_model.flights.interpolated_gaps import interpolate_gaps
-from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.gains.altitude_from_flight import UP, check_upright
+from q2q_model.geometry.rotations import UP, level_where_unknown, rotate
+from q2q_model.identification.gains.altitude_from_flight import check_upright
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.recordings.flight_recording import Recording
@@ -228,7 +228,6 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> PushRecord 
 
 def motion_of(flight: Flight) -> Motion:
     """Return a flight's filtered motion with interpolated gaps."""
-    level = np.isfinite(flight.quat).all(axis=-1, keepdims=True)
-    axis = rotate(np.where(level, flight.quat, [0.0, 0.0, 0.0, 1.0]), UP)
+    axis = rotate(level_where_unknown(flight.quat), UP)
     pos, vel = (interpolate_gaps(flight.t, values) for values in (flight.pos, flight.vel))
     return Motion(t=flight.t, pos=pos, vel=vel, axis=axis)

@@ -20,6 +20,7 @@ from scipy.signal import savgol_filter
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.geometry.rotations import (
+    UP,
     ang_vel_between,
     normalised,
     quat_from_vector,
@@ -44,7 +45,6 @@ ROUNDING = 1e-6
 """Of a time [s]."""
 OWN_ESTIMATE = ("est_x", "est_y", "est_z")
 """Columns of a log with the vehicle's own estimate."""
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,8 +30,7 @@ from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.flights.first_order_lag import first_order_lag
-from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.gains.altitude_from_flight import UP
+from q2q_model.geometry.rotations import UP, rotate
 from q2q_model.identification.gains.velocity_limit import at_velocity_limit
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle

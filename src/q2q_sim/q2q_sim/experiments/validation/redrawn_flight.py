@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.geometry.rotations import yaw_from_quat
-from q2q_model.identification.gains.altitude_from_flight import UP
+from q2q_model.geometry.rotations import UP, yaw_from_quat
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
 from q2q_sim.experiments.validation.drawn_air import MakeDraw

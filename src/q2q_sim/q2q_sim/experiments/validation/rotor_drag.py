@@ -10,8 +10,7 @@ of 2019 show 0.36 to 0.48.
 
 import numpy as np
 
-from q2q_model.geometry.rotations import rotate, rotate_inverse
-from q2q_model.identification.gains.altitude_from_flight import UP
+from q2q_model.geometry.rotations import UP, rotate, rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight

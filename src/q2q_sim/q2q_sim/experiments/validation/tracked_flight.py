@@ -12,8 +12,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference, setpoint_positions
-from q2q_model.geometry.rotations import normalised, rotate
-from q2q_model.identification.gains.altitude_from_flight import UP
+from q2q_model.geometry.rotations import UP, normalised, rotate
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.flight_recording import Recording
