@@ -118,14 +118,16 @@ CRAZYFLIE_BRUSHLESS = Vehicle(
     thrust_lag=0.021,  # drone-models, so_rpy_rotor, cf21B_500
 )
 
+TEXTBOOK_THRUST = 12.753
+"""Largest thrust of the textbook vehicle [N]: twice its weight, OS4's thrust-to-weight ratio."""
 TEXTBOOK_065 = Vehicle(
     name="textbook_065",
     mass=0.65,  # matches the hover energy of the paper's Tables 6 and 7
     inertia=(7.5e-3, 7.5e-3, 1.3e-2),  # Bouabdallah, PhD thesis EPFL 2007, OS4 vehicle
     arm=0.23,  # the same
     drag_to_thrust=0.024,  # the same: 7.5e-7 / 3.13e-5
-    thrust_max=12.753,  # twice its weight: OS4's thrust-to-weight ratio
-    full_pwm_thrust=12.753 * PWM_FULL / RPYT_PWM_MAX,  # the largest RPYT setpoint gives thrust_max
+    thrust_max=TEXTBOOK_THRUST,
+    full_pwm_thrust=TEXTBOOK_THRUST * PWM_FULL / RPYT_PWM_MAX,  # the largest RPYT setpoint gives thrust_max
     thrust_lag=0.0,  # none in the paper's simulation
 )
 

@@ -21,9 +21,7 @@ from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-
-GRAM_FORCE = 1e-3 * GRAVITY
-"""[N]"""
+from q2q_model.vehicle.thrust_map import GRAM_FORCE, PWM_FULL
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +51,6 @@ _RATES = {"wp": "rateRoll", "wq": "ratePitch", "wr": "rateYaw"}
 _GYRO = {"wp": "x", "wq": "y", "wr": "z"}
 _REF = {f"{p}{axis}ref": f"{p}{axis}" for p in ("", "v") for axis in "xyz"}
 _MOTORS = {f"pwm{k}": f"m{k}" for k in range(1, 5)}
-FULL_PWM = 65535.0
 FIRMWARE: ColumnMap = _joined(
     _of("stateEstimate", {**_POS, **_VEL, "qx": "qx", "qy": "qy", "qz": "qz", "qw": "qw"}),
     _of("stateEstimate", _ACC, GRAVITY),  # in g, gravity taken off
@@ -63,8 +60,8 @@ FIRMWARE: ColumnMap = _joined(
     _of("stateEstimateZ", _RATES, 1e-3),
     _of("ctrltarget", _REF),
     _of("ctrltargetZ", _REF, 1e-3),
-    _of("motor", _MOTORS, 1.0 / FULL_PWM),
-    _of("pwm", {ours: f"{theirs}_pwm" for ours, theirs in _MOTORS.items()}, 1.0 / FULL_PWM),
+    _of("motor", _MOTORS, 1.0 / PWM_FULL),
+    _of("pwm", {ours: f"{theirs}_pwm" for ours, theirs in _MOTORS.items()}, 1.0 / PWM_FULL),
     {"vbat": SourceColumn("pm.vbat")},
     {"vbat": SourceColumn("pm.vbatMV", 1e-3)},
     {"thrust_cmd": SourceColumn("motor.thrust")},
