@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_control.controller import Controller
 from q2q_model.signals.checked_array import checked_array, own_copy
-from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import (
     Array,
     CommandStatus,

@@ -4,7 +4,7 @@ import numpy as np
 from resting_signals import resting_state
 
 from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
-from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import SwarmState, TrackStatus
 
 TICK = 0.01

@@ -5,7 +5,7 @@ import pytest
 from resting_signals import resting_state
 
 from q2q_control.mpc.prediction.time_slots import BroadcastSchedule, slot_start
-from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Names, SwarmState
 
 TICK = 0.01

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP
-from q2q_model.estimation.association.reacquisition import SAME_INSTANT
 from q2q_model.estimation.position import kalman_filter
 from q2q_model.estimation.position.kalman_filter import MotionEstimate
 from q2q_model.estimation.position.position_gates import PositionGates, screen
 from q2q_model.estimation.position.position_tracks import PositionTracks
 from q2q_model.estimation.position.steady_gain import CONVERGED
 from q2q_model.estimation.position.track_columns import TrackParams
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 

@@ -56,7 +56,8 @@ from q2q_control.failsafe.fallback_phases import (
 )
 from q2q_control.failsafe.nominal_tick import SOUND, StateAndCommand, TickTimes, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
-from q2q_model.signals.clock_resets import AHEAD_S, ROUNDING, SET_BACK_S, ClockResetDetector
+from q2q_model.signals.clock_resets import AHEAD_S, SET_BACK_S, ClockResetDetector
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -204,7 +205,7 @@ class Guard:
         if t < last.t and self._clock_reset.confirm_reset(t):
             self._set_back(last, t)
             return None
-        if stalled_s > self._params.level_s + ROUNDING and not self._timed:
+        if stalled_s > self._params.level_s + SAME_INSTANT and not self._timed:
             braked = self._fallen_back(last, min(stalled_s, nextafter(self._params.land_s, 0.0)))
             return replace(braked, t=t)
         return repeated_command(self._missing or last, t) if t != last.t or counted else None

@@ -30,7 +30,6 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from q2q_model.estimation.association.jump_candidates import SAME_INSTANT
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.filter_report import FilterReport, FrameWarnings
 from q2q_model.estimation.frame_intervals import FrameIntervals
@@ -41,6 +40,7 @@ from q2q_model.estimation.pose_faults import pose_faults
 from q2q_model.estimation.position.position_steps import NEEDS_ASSOCIATION, WHOLE
 from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
 from q2q_model.signals.clock_resets import ClockResetDetector
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import (
     Array,
     Mask,

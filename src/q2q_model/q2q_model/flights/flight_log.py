@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, Names
 from q2q_model.vehicle.thrust_map import PWM_FULL
 
-SAME_S = 1e-6
-"""Most that two stamps of one tick differ by [s]: a float of seconds since 1970 is exact to 0.24 us."""
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 """Columns of the motors' duties."""
 
@@ -41,7 +40,7 @@ def log_at(log: FlightLog, t: Array, names: Names) -> FlightLog:
     Raises:
         ValueError: the log lacks a vehicle, or has no row at any tick.
     """
-    if log.names == names and log.t.shape == t.shape and bool(np.all(np.abs(log.t - t) <= SAME_S)):
+    if log.names == names and log.t.shape == t.shape and bool(np.all(np.abs(log.t - t) <= SAME_STAMP)):
         return log
     if not set(names) <= set(log.names):
         raise ValueError(
@@ -49,8 +48,8 @@ def log_at(log: FlightLog, t: Array, names: Names) -> FlightLog:
             "names, or record the flight without a log"
         )
     order = np.argsort(log.t, kind="stable")
-    row = np.clip(np.searchsorted(log.t[order], t - SAME_S), 0, log.t.size - 1)
-    same = np.abs(log.t[order][row] - t) <= SAME_S
+    row = np.clip(np.searchsorted(log.t[order], t - SAME_STAMP), 0, log.t.size - 1)
+    same = np.abs(log.t[order][row] - t) <= SAME_STAMP
     if not same.any():
         raise ValueError(
             f"none of the {log.t.size} rows of its log ({log.t.min():.3f} to {log.t.max():.3f} s) is at one "

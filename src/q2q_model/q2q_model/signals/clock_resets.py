@@ -8,6 +8,8 @@ Stamps further ahead than AHEAD_S are wrong, unless they go on from there for CO
 
 from math import inf
 
+from q2q_model.signals.stamps import SAME_INSTANT
+
 CONFIRM_STAMPS = 3
 """Minimum number of old stamps in order, whatever their rate."""
 SET_BACK_S = 1.0
@@ -16,8 +18,6 @@ AHEAD_S = 1.0
 """Step ahead beyond which a stamp may be wrong [s]. One such stamp by less ages states by the step until old
 stamps have risen and tracks are found again, for 0.3 s at most: by 0.8 s or more vehicles land meanwhile
 (land_s of q2q_control.failsafe.fallback_phases)."""
-ROUNDING = 1e-9
-"""Rounding of stamps in float64 [s]."""
 CONFIRM_S = 0.1
 """Time for which old stamps, or those far ahead, must have increased [s]: as long as a command holds
 (q2q_control.failsafe.fallback_params), and longer than the bursts in which a network delivers frames."""
@@ -50,7 +50,7 @@ class ClockResetDetector:
         if not t - newest > AHEAD_S:
             return False
         self._ahead = min(self._ahead, t)
-        return t - self._ahead < CONFIRM_S - ROUNDING
+        return t - self._ahead < CONFIRM_S - SAME_INSTANT
 
     def confirm_reset(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""
@@ -63,7 +63,7 @@ class ClockResetDetector:
             if not self._was_late:
                 self._newest = t
                 self._count += 1
-        return self._count >= CONFIRM_STAMPS and self._newest - self._first >= CONFIRM_S - ROUNDING
+        return self._count >= CONFIRM_STAMPS and self._newest - self._first >= CONFIRM_S - SAME_INSTANT
 
     def _is_late(self, t: float) -> bool:
         """Return whether a stamp is of the time before; two in a row are not: frames may have been lost."""

@@ -5,8 +5,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-SAME_STAMP = 1e-6
-"""Difference of two readings of one stamp at most [s]: a float near 1e9 s resolves 1e-7 s."""
+from q2q_model.signals.stamps import SAME_STAMP
 
 
 class Stamped(Protocol):

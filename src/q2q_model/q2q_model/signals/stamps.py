@@ -13,6 +13,11 @@ TICK_S = TICK_NS * 1e-9
 END_S = 2**31 - 86_400
 """Stamps from here on are refused [s]: `sec` is an int32, and stamps of up to a day later must fit, too."""
 
+SAME_INSTANT = 1e-9
+"""Difference of two times of one instant at most [s]: their rounding in float64, and that of sums."""
+SAME_STAMP = 1e-6
+"""Difference of two readings of one stamp at most [s]: a float near 1e9 s resolves 1e-7 s."""
+
 
 class BadStampError(ValueError):
     """Error for a stamp that is none, or close to the end of its range."""

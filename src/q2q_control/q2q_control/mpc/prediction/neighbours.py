@@ -28,7 +28,7 @@ from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours
 from q2q_model.compiled import compiled
 from q2q_model.signals.clock_resets import SET_BACK_S
-from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, rows_by_name
 
 LATE_FADE = 0.2

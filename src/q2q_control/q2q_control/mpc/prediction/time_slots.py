@@ -10,7 +10,7 @@ tick alone which predictions have been sent.
 
 import math
 
-from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Names, SwarmState
 
 RATE_HZ = 10.0

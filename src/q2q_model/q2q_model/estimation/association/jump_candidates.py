@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 
 Table = NDArray[np.void]
 
 GAP_S = 0.15
 """Longest time between samples that stay together [s], unless frames come less often: below 10 Hz."""
-SAME_INSTANT = 1e-9
-"""Rounding of a time in float64 [s]."""
 CANDIDATE = np.dtype(
     [
         ("samples", np.int64),  # 0 is no candidate

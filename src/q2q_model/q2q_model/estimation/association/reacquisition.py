@@ -10,13 +10,13 @@ import numpy as np
 from q2q_model.estimation.association.jump_candidates import (
     CANDIDATE,
     GAP_S,
-    SAME_INSTANT,
     Table,
     joins_candidates,
     mean_velocity,
 )
 from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.association.suspected_swaps import LastSample, Suspicion, Unmatched, suspected_swaps
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 
 CONFIRM_SAMPLES = 3

@@ -24,7 +24,7 @@ upside down are those of q2q_model.estimation.attitude.attitude_steps.
 
 import numpy as np
 
-from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
+from q2q_model.estimation.association.jump_candidates import Table
 from q2q_model.estimation.attitude.attitude_steps import (
     ATTITUDE,
     UNIT_TOLERANCE,
@@ -33,6 +33,7 @@ from q2q_model.estimation.attitude.attitude_steps import (
     follow_attitudes,
 )
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask, SwarmState
 
 RIGHT_ANGLE = np.cos(0.25 * np.pi)

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
+from q2q_model.estimation.association.jump_candidates import Table
 from q2q_model.estimation.position.kalman_filter import MotionEstimate, gain, predict
 from q2q_model.estimation.position.position_gates import GATE_SIGMAS, REPEATS_S, VARIED, PositionGates, screen
 from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, columns_of
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 
 THAW_STEP = 0.005

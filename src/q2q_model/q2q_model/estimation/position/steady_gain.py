@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.association.jump_candidates import SAME_INSTANT
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array
 
 CONVERGED = 1e-9

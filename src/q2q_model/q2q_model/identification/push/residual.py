@@ -14,11 +14,11 @@ millimetre.
 import numpy as np
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, Mask
 
 HORIZON_S = 0.02
 """h [s]: from a measurement to the effect of the command that uses it, at best."""
-STAMP_ERROR_S = 1e-6
 PRIOR = 20.0
 """P [m^2/s^4]: 1 s of residuals of 0.45 m/s^2 at 100 Hz, the rms of real flights."""
 
@@ -31,8 +31,8 @@ def predicted_residual(t: Array, residual: Array, usable: Mask) -> Array:
         residual: r [m/s^2], (T,).
         usable: Rows in which r is known, (T,).
     """
-    before = np.searchsorted(t, t - HORIZON_S + STAMP_ERROR_S) - 1
-    oldest = t - HORIZON_S - np.median(np.diff(t)) - STAMP_ERROR_S
+    before = np.searchsorted(t, t - HORIZON_S + SAME_STAMP) - 1
+    oldest = t - HORIZON_S - np.median(np.diff(t)) - SAME_STAMP
     known = usable & (before >= 0) & usable[before] & (t[before] >= oldest)
     past = np.where(known, residual[before], 0.0)
     products = np.cumsum(np.where(known, residual, 0.0) * past)

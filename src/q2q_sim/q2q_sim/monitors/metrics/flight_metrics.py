@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.estimation.association.jump_candidates import SAME_INSTANT
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.monitors.metrics.exposure import Exposure, exposure
