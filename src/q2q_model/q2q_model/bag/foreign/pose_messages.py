@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.foreign.topic_map import TopicMap
-from q2q_model.bag.storage.definitions import jazzy_types
+from q2q_model.bag.storage.definitions import jazzy_types, naming_message
 from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import Channel, RawMessage, Source
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
@@ -56,13 +56,10 @@ def message_poses(
         )
     decode = _decoder(source, channel)
     for message in source.read({channel.topic}):
-        try:
+        with naming_message(source.path, message, channel.type_name):
             value = decode(message)
             t = time_from_stamp(_stamp_ns(value) if topic_map.by_header else message.stamp_ns)
             found: list[tuple[str, Row]] = [(name, (t, *row)) for name, row in _placed(value, kind)]
-        except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
-            where = f"topic {channel.topic} at {message.stamp_ns} ns"
-            raise BagError(f"bag {source.path}, {where}: no {channel.type_name} ({damage})") from damage
         yield found
 
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
+from q2q_model.flights.tables.table_vehicles import AXES, vehicle_prefixes
 from q2q_model.flights.unit_check import check_metres
 from q2q_model.geometry.rotations import normalised, quat_from_euler
 from q2q_model.signals.values import Array, Mask, Names
 
-POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
+POS, QUAT, VEL, RATE = AXES, ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
 EULER, ANGLES = ("roll_rad", "pitch_rad", "yaw_rad"), ("roll", "pitch", "yaw")
 YAW_REF, THRUST = ("yawref_deg",), ("thrust_cmd",)
 REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")

@@ -26,6 +26,7 @@ from q2q_model.flights.tables.flight_table import (
     REF_VEL,
     THRUST,
     VEL,
+    YAW_REF,
     FlightTable,
     attitude,
     has_attitude,
@@ -97,7 +98,7 @@ def _reference(table: FlightTable) -> Iterator[Signal]:
     acc = np.gradient(vel, table.t, axis=0)
     acc[:, [is_rare(table.t, own) for own in np.swapaxes(vel, 0, 1)]] = np.nan
     unknown = np.full(pos.shape[:2], np.nan)
-    yaw = np.deg2rad(table.columns["yawref_deg"]) if table.has(("yawref_deg",)) else unknown
+    yaw = np.deg2rad(table.columns["yawref_deg"]) if table.has(YAW_REF) else unknown
     for row, t in enumerate(table.t):
         yield SwarmSetpoint(
             t=stamp(t),

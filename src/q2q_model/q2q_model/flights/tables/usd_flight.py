@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, map_columns, require_sources
-from q2q_model.flights.tables.usd_log import POS, UsdLog
+from q2q_model.flights.tables.flight_table import POS, QUAT
+from q2q_model.flights.tables.usd_log import UsdLog
 from q2q_model.geometry.quaternion32 import decompress_quat
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
@@ -35,7 +36,6 @@ OWN_CLOCKS = (
     f"first rows after {LIKELY_S:g} s are lost blocks, or, with enable-on-startup of the deck, clocks of the "
     "vehicles' own: then they are not at one time"
 )
-QUAT = ("qx", "qy", "qz", "qw")
 ATTITUDE = ("stateEstimate.roll", "stateEstimate.pitch", "stateEstimate.yaw")
 """Degrees; the firmware's pitch is nose up: minus theta."""
 QUAT_BITS = "stateEstimateZ.quat"

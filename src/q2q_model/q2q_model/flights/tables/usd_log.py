@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from q2q_model.counted import counted
 from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap
+from q2q_model.flights.tables.table_vehicles import AXES
 from q2q_model.flights.tables.usd_stamps import rising_rows, stamped_times
 from q2q_model.signals.values import Array
 
-POS = ("x", "y", "z")
 MAGIC = 0xBC
 GOOD_CRC = 0xFFFFFFFF
 """CRC-32 of bytes followed by their own inverted CRC-32, as the old format stores it."""
@@ -136,7 +136,7 @@ class _EventType:
     def has_positions(self, sources: ColumnMap) -> bool:
         """Return whether its variables include a source of each of x, y, z."""
         present = self.row.names or ()
-        return all(any(one.name in present for one in sources.get(axis, ())) for axis in POS)
+        return all(any(one.name in present for one in sources.get(axis, ())) for axis in AXES)
 
 
 def _events(data: bytes, sources: ColumnMap) -> _Records:
