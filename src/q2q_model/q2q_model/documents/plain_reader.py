@@ -1,8 +1,8 @@
 """Reader of plain values into frozen dataclasses: cattrs walks the types, an error names the mistakes.
 
 cattrs alone converts silently (text to numbers, True to 1.0, text to a tuple of letters); the hooks here
-refuse that, and the sentences are those of the house: key, value, what is expected, the nearest name. A
-field `from_` has the key `from`.
+refuse that, and word mistakes by key, value, what is expected, and the nearest name. A field `from_` has the
+key `from`.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -113,6 +113,7 @@ def _converter(extra: bool) -> Converter:
 
 
 def _origin(kind: object) -> object:
+    """Return `get_origin` of a type, as an object: the types that it declares compare with no class."""
     return get_origin(kind)
 
 

@@ -49,9 +49,8 @@ def _refine_online(model: str, vehicle: str, out: Path) -> int:
         raise ValueError(f"--model {model} has no downwash that --live could scale: give another model")
     if not vehicle:
         print(f"identify: {flown.name} is assumed to fly; name the vehicle with --vehicle", file=sys.stderr)
-    from q2q_model.ros.online_identification import (
-        refine_online,
-    )  # needs a sourced ROS, which reading bags does not
+    # needs a sourced ROS, which reading bags does not
+    from q2q_model.ros.online_identification import refine_online
 
     if reason := refine_online(base, flown, out):
         print(f"identify: {out} is not written: {reason}", file=sys.stderr)

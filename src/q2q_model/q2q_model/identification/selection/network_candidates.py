@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
+from q2q_model.identification.networks.gradient import ONE
 from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
 from q2q_model.identification.selection.candidate import Candidate
 from q2q_model.identification.selection.identification_data import IdentificationData
@@ -22,7 +23,7 @@ def network_candidates(flights: Sequence[IdentificationData], loop: AltitudeLoop
     def fit(chosen: Sequence[IdentificationData]) -> EnvelopeNetwork:
         return fit_networks([part for one in chosen for part in terms[one.name]], params)
 
-    return [Candidate(NETWORKS, "envelope_network", 322, fit)]
+    return [Candidate(NETWORKS, "envelope_network", 2 * ONE, fit)]
 
 
 def network_notes(kind: str, flights: Sequence[IdentificationData]) -> list[str]:

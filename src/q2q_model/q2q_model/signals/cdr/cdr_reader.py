@@ -38,8 +38,8 @@ def decode(data: bytes, signal: type[S]) -> S:
 class _Block:
     """Offset and length of one array in a message."""
 
-    attribute: str
     field: str
+    """Field of the message."""
     lead_at: int
     """Offset of its count."""
     begin: int
@@ -145,4 +145,4 @@ def _block(column: Column, at: int, vehicles: int) -> _Block:
     begin = aligned(lead_at + 4, itemsize) if count else NAMES_AT
     shape = (vehicles,) if column.width == 1 else (vehicles, column.width)
     end = begin + count * itemsize
-    return _Block(column.attribute, column.field, lead_at, begin, end, count, dtype, shape)
+    return _Block(column.field, lead_at, begin, end, count, dtype, shape)
