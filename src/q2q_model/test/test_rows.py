@@ -6,7 +6,7 @@ from bag_signals import STEP_NS, random_signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.signals.cdr.cdr_format import BadMessageError
+from q2q_model.signals.cdr.cdr_format import NAMES_AT, STAMP, START, BadMessageError
 from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
@@ -68,4 +68,12 @@ def test_one_bad_message_among_good_ones_is_refused():
     at = messages[0].index(b"cf2\0")
     messages[2] = messages[2][:at] + b"cf1\0" + messages[2][at + 4 :]
     with pytest.raises(BadMessageError, match="duplicate vehicle names"):
+        rows_of_messages(messages, MocapFrame)
+
+
+@pytest.mark.parametrize("stamp", [(5, 2_000_000_000), (2**31 - 1, 0)])
+def test_one_stamp_out_of_its_range_among_good_ones_is_refused(stamp: tuple[int, int]) -> None:
+    messages = recorded(MocapFrame, [("cf1", "cf2")] * 4)
+    messages[2] = messages[2][:START] + STAMP.pack(*stamp) + messages[2][NAMES_AT:]
+    with pytest.raises(BadMessageError, match=f"stamp of sec {stamp[0]}, nanosec {stamp[1]}"):
         rows_of_messages(messages, MocapFrame)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from q2q_model.signals.cdr.cdr_format import NAMES_AT, START
 from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
-from q2q_model.signals.stamps import NANOSECONDS
+from q2q_model.signals.stamps import END_S, NANOSECONDS
 from q2q_model.signals.values import Array, Mask, Names, Rows
 
 MOST_KINDS = 8
@@ -91,22 +91,23 @@ def _like_first(table: NDArray[np.uint8], first: bytes, kind: type[Signal]) -> t
     fixed[START:NAMES_AT] = False
     for span in spans.values():
         fixed[span] = False
-    alike = np.asarray((table[:, fixed] == table[0, fixed]).all(axis=1))
-    chosen = table[alike]
+    sec, nanosec = _stamps(table)
+    allowed = (np.abs(sec) < END_S) & (nanosec < NANOSECONDS)  # others are refused one by one
+    alike = np.asarray((table[:, fixed] == table[0, fixed]).all(axis=1) & allowed)
+    chosen, t = table[alike], (sec * NANOSECONDS + nanosec)[alike] * 1e-9  # rounded as by time_from_stamp
     values = {
         name: np.ascontiguousarray(chosen[:, spans[name]]).view(one.dtype).reshape(-1, *one.shape)
         if name in spans
         else np.zeros((chosen.shape[0], *one.shape), one.dtype)
         for name, one in arrays.items()
     }
-    return SignalRows(signal.names, _stamps(chosen), values, np.nonzero(alike)[0]), alike
+    return SignalRows(signal.names, t, values, np.nonzero(alike)[0]), alike
 
 
-def _stamps(table: NDArray[np.uint8]) -> Array:
-    """Return the stamps [s] of messages, rounded as by `time_from_stamp`."""
+def _stamps(table: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return sec and nanosec of messages."""
     words = np.ascontiguousarray(table[:, START:NAMES_AT])
-    sec, nanosec = words.view("<i4")[:, 0].astype(np.int64), words.view("<u4")[:, 1].astype(np.int64)
-    return np.asarray((sec * NANOSECONDS + nanosec) * 1e-9)
+    return words.view("<i4")[:, 0].astype(np.int64), words.view("<u4")[:, 1].astype(np.int64)
 
 
 def _stacked(names: Names, group: Sequence[tuple[int, Signal]]) -> SignalRows:
