@@ -18,13 +18,13 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, warning_log
 from q2q_model.ros.node.input_warnings import (
-    FRAMES,
     AbsentNames,
     StalledStampWarning,
     warn_of_missing_names,
     warn_of_unknown_names,
 )
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
+from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.processes.domain import own_domain
 
@@ -119,12 +119,12 @@ def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_afte
 def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: Node) -> None:
     health = Health()
     stamps = StalledStampWarning(node, "mocap", health)
-    for stamp_ns in range(2 * FRAMES):
+    for stamp_ns in range(2 * STALLED):
         stamps.update(stamp_ns, frame("cf1"))
     assert (warnings(node), [*health.doubts.values()]) == ([], [""])
-    for _ in range(3 * FRAMES):
+    for _ in range(3 * STALLED):
         stamps.update(0, frame("cf1"))
-    message = f"mocap: {FRAMES} frames stamped 0 s: stamp each with its time of capture"
+    message = f"mocap: {STALLED} frames stamped 0 s: stamp each with its time of capture"
     assert (warnings(node), [*health.doubts.values()]) == ([message], [message])
     stamps.update(1, frame("cf1"))
     assert [*health.doubts.values()] == [""]

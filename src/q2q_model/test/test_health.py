@@ -1,6 +1,6 @@
 """Grading a node's health, and letting through so many events a second."""
 
-from q2q_model.diagnostics.health import Health, Level, health_report
+from q2q_model.diagnostics.health import Health, Level, health_report, tick_rate
 from q2q_model.node.decimation import Decimation
 
 
@@ -8,6 +8,15 @@ def test_a_second_with_ticks_and_nothing_else_is_ok() -> None:
     graded = health_report(Health(ticks=100), Health(ticks=200))
     assert graded.level == Level.OK
     assert graded.summary == "100 ticks"
+
+
+def test_the_rate_is_that_of_ticks_over_the_time_between_two_readings() -> None:
+    before, now = Health(ticks=100), Health(ticks=150)
+    assert (tick_rate(before, now, 0.5), tick_rate(now, now, 1.0), tick_rate(before, now, 0.0)) == (
+        100.0,
+        0,
+        0,
+    )
 
 
 def test_a_second_without_a_tick_is_stale() -> None:

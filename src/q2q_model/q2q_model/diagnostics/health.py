@@ -58,6 +58,11 @@ class HealthReport:
     """Whether messages are refused or ticks lack an input, which the user must fix."""
 
 
+def tick_rate(before: Health, now: Health, seconds: float) -> float:
+    """Return the rate of completed ticks between two readings, `seconds` apart [Hz]; 0 if that is no time."""
+    return (now.ticks - before.ticks) / seconds if seconds > 0.0 else 0.0
+
+
 def health_report(before: Health, now: Health) -> HealthReport:
     """Return the diagnostic status of the time between two readings of the counters."""
     ticks = now.ticks - before.ticks

@@ -11,10 +11,8 @@ from q2q_model.flights.flight_ticks import flight_ticks
 from q2q_model.flights.output_ticks import OUTPUTS, output_ticks
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
+from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import Array, Names, index_of
-
-STALLED = 100
-"""Messages with one stamp from which their clock is stalled; a lost one is sent again a few times."""
 
 FREE_RUNNING = "command"
 """Topic that may outlast the ticks: a live controller publishes by its own clock."""

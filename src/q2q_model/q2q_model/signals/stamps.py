@@ -17,6 +17,9 @@ SAME_INSTANT = 1e-9
 """Difference of two times of one instant at most [s]: their rounding in float64, and that of sums."""
 SAME_STAMP = 1e-6
 """Difference of two readings of one stamp at most [s]: a float near 1e9 s resolves 1e-7 s."""
+STALLED = 100
+"""Messages with one and the same stamp from which their clock stands still: a lost one is sent again a few
+times."""
 
 
 class BadStampError(ValueError):

@@ -7,7 +7,7 @@ from time import monotonic
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from q2q_model.diagnostics.health import Health, HealthReport, health_report
+from q2q_model.diagnostics.health import Health, HealthReport, health_report, tick_rate
 from q2q_model.ros.node.steady_timer import steady_timer
 
 MOST_WARNINGS = 20
@@ -26,7 +26,7 @@ def publish_health(
 
     def publish() -> None:
         now = monotonic()
-        rate = (health.ticks - last[0].ticks) / max(now - reported[0], 0.01 * PERIOD_S)
+        rate = tick_rate(last[0], health, now - reported[0])
         reported[0] = now
         health.extra |= {"rate_hz": f"{rate:.1f}", **facts()}
         graded = health_report(last[0], health)

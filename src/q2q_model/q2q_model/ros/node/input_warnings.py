@@ -6,10 +6,8 @@ from rclpy.node import Node
 
 from q2q_model.diagnostics.health import Health
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import Names
-
-FRAMES = 100
-"""Frames with one stamp after which is warned; a lost message is requested again a few times."""
 
 TakeSignal = Callable[[int, Signal], None]
 
@@ -98,8 +96,8 @@ class StalledStampWarning:
         """Take the stamp of a message."""
         self._frames = self._frames + 1 if stamp_ns == self._stamp_ns else 0
         self._stamp_ns = stamp_ns
-        if self._frames == FRAMES:
-            found = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
+        if self._frames == STALLED:
+            found = f"{STALLED} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
             self._doubt(f"{self._topic}: {found}")
             self._node.get_logger().warning(f"{self._topic}: {found}")
         elif not self._frames:
