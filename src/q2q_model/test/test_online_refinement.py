@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_flights import LOOP, Pass, made_flight
+from resting_signals import level_command, resting_state
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
@@ -20,7 +21,7 @@ from q2q_model.identification.online_refinement import (
     scale_downwash,
 )
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 FLOWN = Pass(noise=1e-4, speed=0.3)
 EAGER = OnlineRefinementParams(prior=0.1)
@@ -155,6 +156,20 @@ def test_the_prior_holds_the_gain_until_there_is_evidence():
         gains = bold.update(*tick).gain, shy.update(*tick).gain
     assert gains[0] > 1.25
     assert 1.0 < gains[1] < 1.05
+
+
+def test_without_a_prior_a_downwash_that_never_changes_tells_nothing_of_the_gain() -> None:
+    """Noise over the rounding of a constant would be any gain, from the smallest to the largest."""
+    online, rng = (
+        OnlineRefinement(PAPER_LAW, VEHICLE, OnlineRefinementParams(prior=0.0)),
+        np.random.default_rng(0),
+    )
+    state = resting_state(0.0, ("low", "top"), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]]))
+    command = level_command(0.0, state.names, np.full(2, VEHICLE.hover_thrust))
+    for t in np.arange(1, 500) / 100.0:
+        force = np.array([[0.0, 0.0, GRAVITY]]) + 0.2 * rng.standard_normal((2, 3))
+        imu = SwarmImu(t, state.names, force, np.zeros((2, 3)))
+        assert online.update(replace(state, t=t), replace(command, t=t), imu).gain == 1.0
 
 
 def test_every_kind_of_model_scales():

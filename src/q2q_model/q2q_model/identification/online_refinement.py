@@ -34,6 +34,8 @@ from q2q_model.vehicle.constants import Vehicle
 
 WEIGHT, ETA, PUSH, ETA_ETA, ETA_PUSH = range(5)
 """Columns of the sums of each vehicle."""
+ROUNDING = 1e-9
+"""Centred sum of eta^2 over the sum itself below which eta was constant but for rounding [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +127,8 @@ class OnlineRefinement:
         cross = float((self._sums[:, ETA_PUSH] - weight * e * y).sum())
         square = float((self._sums[:, ETA_ETA] - weight * e * e).sum())
         p = self.params
-        gain = (p.prior + cross) / (p.prior + square) if p.prior + square > 0.0 else 1.0
+        known = p.prior + square > ROUNDING * float(self._sums[:, ETA_ETA].sum())
+        gain = (p.prior + cross) / (p.prior + square) if known else 1.0
         gain = float(np.clip(gain, p.gain_min, p.gain_max))
         offset = np.clip(y - gain * e, -p.offset_max, p.offset_max)
         return OnlineEstimate(self._t, gain, self._names, offset, square)
