@@ -1,1 +1,1 @@
-"""References that nothing in flight imports."""
+"""Laws that nothing in flight imports."""

@@ -18,15 +18,15 @@ r is the reference plus its network, so that the search starts on the plan; a an
 from dataclasses import dataclass
 
 import numpy as np
-
-from q2q_control.experiments.global_mpc.levenberg_marquardt import minimise
-from q2q_control.experiments.global_mpc.problem import (
+from global_mpc.levenberg_marquardt import minimise
+from global_mpc.problem import (
     GlobalProblem,
     GlobalSolution,
     downwash,
     thrust_acceleration,
 )
-from q2q_control.experiments.global_mpc.time_networks import TimeNetworks
+from global_mpc.time_networks import TimeNetworks
+
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 

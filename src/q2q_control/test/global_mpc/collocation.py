@@ -10,13 +10,13 @@ once, so that any model of these two can be used, and IPOPT gets exact derivativ
 
 import casadi
 import numpy as np
-
-from q2q_control.experiments.global_mpc.problem import (
+from global_mpc.problem import (
     GlobalProblem,
     GlobalSolution,
     downwash,
     thrust_acceleration,
 )
+
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
@@ -81,7 +81,7 @@ def _solved(
     stacked = casadi.vertcat(*(casadi.vec(part) for group in variables for part in group))
     options = QUIET | {"ipopt.max_iter": ITERATIONS, "ipopt.tol": 1e-8}
     nlp = {"x": stacked, "f": program[0], "g": program[1]}
-    solver = casadi.nlpsol("global", "ipopt", nlp, options)  # type: ignore[arg-type]
+    solver = casadi.nlpsol("global", "ipopt", nlp, options)
     hover = np.tile([0.0, 0.0, 1.0], (n, count, 1))
     start = np.concatenate(
         [problem.reference[..., :3].ravel(), problem.reference[..., 3:6].ravel(), hover.ravel()]

@@ -75,8 +75,3 @@ def downwash(model: InteractionModel, pos: Array) -> Array:
                 rel = pos[j] - pos[i]
                 total[i] += model.acceleration(rel, pairs_at_rest(rel))
     return total
-
-
-def z_rmse(problem: GlobalProblem, solution: GlobalSolution) -> Array:
-    """Return each vehicle's root mean square altitude error [m], (n,)."""
-    return np.asarray(np.sqrt(((solution.pos[..., 2] - problem.reference[..., 2]) ** 2).mean(axis=1)))

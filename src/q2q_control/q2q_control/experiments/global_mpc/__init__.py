@@ -1,1 +1,0 @@
-"""Problem (26) solved once over the whole flight, as a reference for the receding horizon."""
