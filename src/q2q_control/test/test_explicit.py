@@ -19,8 +19,6 @@ from q2q_control.experiments.explicit.law import (
     ExplicitLaw,
     evaluate,
     evaluate_one,
-    from_text,
-    to_text,
     weights_of,
     workspace_of,
 )
@@ -117,23 +115,6 @@ def test_the_c_export_compiles_without_warnings_and_agrees(tmp_path: Path):
     # single precision through recursions of 80 steps with numbers of order 1
     assert np.allclose(values, evaluate(law, pair), atol=1e-4)
     assert of_nan == np.float32(law.bounds[0])
-
-
-def test_the_written_law_reads_back():
-    law, pair = random_law(4), pairs(5, 5)
-    assert np.array_equal(evaluate(from_text(to_text(law)), pair), evaluate(law, pair))
-
-
-@pytest.mark.parametrize("text", ["", "{}", '{"format": 2}', "[1]", '{"format": 2, "mean": [1]}'])
-def test_what_is_no_law_is_refused(text: str):
-    with pytest.raises(ValueError, match="explicit law"):
-        from_text(text)
-
-
-def test_a_law_cut_in_half_is_refused():
-    text = to_text(random_law())
-    with pytest.raises(ValueError, match="no explicit law"):
-        from_text(text[: len(text) // 2])
 
 
 def test_the_teacher_of_many_answers_as_the_solver_of_one():

@@ -3,8 +3,8 @@
     float q2q_explicit(const float states[2][3], const float push[2][N], const float gradient[2][N]);
 
 Returns the vertical acceleration command, the reference's included [m/s^2]. Inputs are those of
-features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4 has no other.
- The firmware app (q2q_control.onboard) does not use it.
+features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4 has no other. The
+firmware app (q2q_control.onboard) does not use it.
 """
 
 import numpy as np

@@ -6,7 +6,6 @@ base, gate and x are those of `features`; u is the first vehicle's vertical acce
 reference's included. Where no bound is met the gate is 0 and u the MPC's own command.
 """
 
-import json
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -18,8 +17,6 @@ from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_of_table
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
-FORMAT = 2
-"""Version of the JSON form."""
 GAINS = (13, 3)
 """Shape of AxisGains as a table: six vectors, the scalars quu and effort, A, P."""
 
@@ -175,25 +172,3 @@ def _dot(left: Array, right: Array) -> float:
     for i in range(left.size):
         total += left[i] * right[i]
     return total
-
-
-def to_text(law: ExplicitLaw) -> str:
-    """Return the law as JSON text."""
-    return json.dumps({"format": FORMAT} | {name: getattr(law, name).tolist() for name in law.__slots__})
-
-
-def from_text(text: str) -> ExplicitLaw:
-    """Return the law of JSON text.
-
-    Raises:
-        ValueError: the text is not a law, or a law of another format or for other inputs.
-    """
-    try:
-        found = json.loads(text)
-        version = found.pop("format")
-        law = ExplicitLaw(**{name: np.array(part, dtype=np.float64) for name, part in found.items()})
-    except (json.JSONDecodeError, KeyError, TypeError, AttributeError, IndexError, ValueError) as error:
-        raise ValueError(f"no explicit law of format {FORMAT}: {error}") from error
-    if version != FORMAT:
-        raise ValueError(f"an explicit law of format {version}: only format {FORMAT} is read")
-    return law
