@@ -134,5 +134,3 @@ def test_it_climbs_anew_after_each_loss_and_is_forgotten_if_it_leaves_the_state(
     alone = replace(state_of(LOW), names=("cf2",))
     _, names = climbs.update(setpoint_of(0.4, AWAY, AWAY), alone, SEEN)
     assert "cf1" not in names
-    climbs.reset()
-    assert not climbs.active

@@ -106,8 +106,6 @@ def test_lost_again_on_its_way_it_is_led_anew_from_where_it_is_found() -> None:
     assert led.update(plan, far, GONE) is plan
     nearer = state_of(np.array([1.2, 0.3]), np.zeros(2))
     np.testing.assert_allclose(led.update(plan_at(0.6), nearer, NOBODY).pos, [[1.2, 0.3, 1.0]], atol=1e-12)
-    led.reset()
-    assert not led.active
 
 
 def test_a_clock_that_is_set_back_takes_it_no_further_than_to_where_it_began() -> None:

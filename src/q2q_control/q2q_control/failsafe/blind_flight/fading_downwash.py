@@ -73,10 +73,6 @@ class FadingDownwash:
     """Offsets of those above vehicles without measurements, when their downwash was last known."""
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all offsets."""
         self._names: Names = ()
         self._known_at = np.zeros(0)  # [s]; NaN: a measured vehicle
         self._above = _above(np.zeros((0, 3)), np.zeros(0, np.intp))

@@ -56,10 +56,6 @@ class ClimbBack:
     """Vehicles that flew blind and are not yet back at their setpoints."""
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all of them."""
         self._gone: set[str] = set()
         self._since: dict[str, float] = {}  # tick at which each was measured again [s]
         self._places: dict[str, Array] = {}  # where each climbs [m], (2,)

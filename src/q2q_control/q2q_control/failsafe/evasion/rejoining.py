@@ -44,10 +44,6 @@ class Rejoining:
     """Vehicles on their way back to their setpoints."""
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all of them."""
         self._away: frozenset[str] = frozenset()
         self._shifts: dict[str, QuinticShift] = {}
 

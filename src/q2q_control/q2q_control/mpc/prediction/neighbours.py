@@ -93,10 +93,6 @@ class ReceivedPredictions:
     def __init__(self, period: float) -> None:
         """Start without predictions; a newer one is expected every `period` [s]."""
         self._period = period
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all predictions."""
         self._received: dict[str, list[ReceivedPath]] = {}
 
     def receive(self, prediction: PredictedPaths) -> None:

@@ -64,10 +64,6 @@ class VehicleTracks:
     def __init__(self, span: float, loading: float) -> None:
         """Remember the last `span` [s]; `loading` is the share of thrust beyond weight that adds downwash."""
         self._span, self._loading = span, loading
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the past."""
         self._names: Names = ()
         self._past = Past(np.zeros(0), np.zeros((0, 0, 3)))
         self._unseen: dict[str, float] = {}
