@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.inputs.shifted_setpoint import ShiftedSetpoint
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, rows_by_name
 
 OFF_PLAN_FADE = 1.0
 """Time constant of a difference between setpoint and plan [s]: above the replanner's k_d / k_p = 0.6 s."""
@@ -58,7 +57,7 @@ class SampledPreview:
     def at(self, names: Names, times: Array) -> Array:
         """Return the samples at `times`, linearly interpolated, (n, K, 9)."""
         known = interpolated(self.samples, times, self.start, self.step)
-        return known if names == self.names else _picked(known, index_of(names, self.names))
+        return known if names == self.names else rows_by_name(known, self.names, names, np.nan)
 
 
 def resting_preview(names: Names) -> SampledPreview:
@@ -122,12 +121,6 @@ def _extrapolated(here: Array, ahead: Array) -> Array:
     return np.concatenate(
         [pos + vel * later + acc * STEADY * (later - gained), vel + acc * gained, acc * fade], axis=-1
     )
-
-
-def _picked(known: Array, rows: NDArray[np.intp]) -> Array:
-    picked = known[rows]
-    picked[rows < 0] = np.nan
-    return picked
 
 
 @compiled

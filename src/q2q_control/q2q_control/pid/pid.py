@@ -99,16 +99,14 @@ class Pid:
         """Return the command of a tick that is newer than all before."""
         dt = min(tick.t - self._last.t, DT_MAX) if self._last is not None else 0.0
         if tick.names != self._names:
-            self._reorder(tick.names)
+            self._integral = rows_by_name(self._integral, self._names, tick.names)
+            self._names = tick.names
         out, status = np.empty((4, len(tick.names))), np.empty(len(tick.names), dtype=np.uint8)
         now = tick.t, max(dt, 0.0), tick.table, tick.usable
         memory = self._integral, self._rows.memory(tick.names)
         pid_commands(now, self._law, memory, self._rows.rule.numbers, (out, status))
         self._last = SwarmCommand(tick.t, tick.names, out[0], out[1], out[2], out[3], status)
         return self._last
-
-    def _reorder(self, names: Names) -> None:
-        self._integral, self._names = rows_by_name(self._integral, self._names, names), names
 
 
 def pid_gains(params: PidParams) -> PidGains:

@@ -21,7 +21,7 @@ Rows = NDArray[np.intp]
 Names = tuple[str, ...]
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
-Value = TypeVar("Value", np.float64, np.uint8, np.bool_)
+Value = TypeVar("Value", np.float64, np.uint8, np.int8, np.bool_)
 """Of an array with a row for each vehicle."""
 
 KNOWN_NAMES = 64

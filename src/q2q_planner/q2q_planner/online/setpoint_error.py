@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.signals.values import Array, Mask, Names, SetpointStatus, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Mask, Names, SetpointStatus, SwarmSetpoint, rows_by_name
 
 SHIFT_TOLERANCE = 1e-3
 """Shift above which a vehicle's status is SHIFTED [m]: below VICON's dynamic error of 2 mm."""
@@ -38,11 +38,8 @@ def match_rows(error: SetpointError, names: Names) -> SetpointError:
     """Return the error with the rows of `names`; a new vehicle starts on its reference."""
     if error.names == names:
         return error
-    rows = index_of(names, error.names)
-    known = (rows >= 0)[:, None]
-    if not error.names:
-        return no_error(names)
-    return SetpointError(names, np.where(known, error.pos[rows], 0.0), np.where(known, error.vel[rows], 0.0))
+    pos, vel = (rows_by_name(part, error.names, names) for part in (error.pos, error.vel))
+    return SetpointError(names, pos, vel)
 
 
 def settle(error: SetpointError, pushed: Mask) -> SetpointError:

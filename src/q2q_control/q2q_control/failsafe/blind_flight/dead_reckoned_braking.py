@@ -170,12 +170,11 @@ class DeadReckonedBraking:
         """Match the tracks to `names`; new vehicles begin as the state shows them."""
         if names == self._names:
             return
-        rows = index_of(names, self._names)
-        self._track = np.vstack((self._track, UNKNOWN))[rows]
-        self._eta = np.vstack((self._eta, np.zeros(3)))[rows]
-        self._assumed_eta = np.vstack((self._assumed_eta, np.zeros(3)))[rows]
-        self._names = names
-        new = np.flatnonzero(rows < 0)
+        have, self._names = self._names, names
+        self._track = rows_by_name(self._track, have, names, UNKNOWN)
+        self._eta = rows_by_name(self._eta, have, names)
+        self._assumed_eta = rows_by_name(self._assumed_eta, have, names)
+        new = np.flatnonzero(index_of(names, have) < 0)
         hover = AppliedCommand(np.ones(new.size), np.zeros(new.size), np.zeros(new.size))
         begun, seen = self._track[new], _measured(state, tuple(names[row] for row in new))
         reckon(begun, hover, self._assumed_eta[new], 0.0, seen)

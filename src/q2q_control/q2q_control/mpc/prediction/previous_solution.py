@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Names, index_of
+from q2q_model.signals.values import Array, Names, rows_by_name
 
 
 class PredictedSolution(NamedTuple):
@@ -34,18 +34,20 @@ class PreviousSolution:
 
     def __init__(self, steps: int, step: float) -> None:
         """Store solutions of `steps` stages of `step` [s]."""
-        self._steps, self._step = steps, step
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all solutions."""
+        self._step = step
         self._names: Names = ()
-        self._solution = self._blank(0)
+        self._solution = PredictedSolution(
+            start=-np.inf,
+            offset=np.zeros((0, steps + 1, 3)),
+            inputs=np.zeros((0, steps, 3)),
+            active_set=np.zeros((0, steps, 3), np.int8),
+            solved=np.zeros(0),
+        )
 
     def shifted(self, names: Names, start: float) -> PredictedSolution:
         """Return the solutions of `names` from `start` [s] on; a vehicle without one is on its reference."""
         if names != self._names:
-            self._solution, self._names = self._reordered(index_of(names, self._names)), names
+            self._solution, self._names = _reordered(self._solution, self._names, names), names
         old = self._solution
         late = max((start - old.start) / self._step, 0.0) if math.isfinite(old.start) else 0.0
         new = PredictedSolution(
@@ -62,24 +64,16 @@ class PreviousSolution:
         """Remember the solutions of a tick."""
         self._names, self._solution = names, solution
 
-    def _blank(self, n: int) -> PredictedSolution:
-        return PredictedSolution(
-            start=-np.inf,
-            offset=np.zeros((n, self._steps + 1, 3)),
-            inputs=np.zeros((n, self._steps, 3)),
-            active_set=np.zeros((n, self._steps, 3), np.int8),
-            solved=np.full(n, -np.inf),
-        )
 
-    def _reordered(self, rows: NDArray[np.intp]) -> PredictedSolution:
-        old, blank = self._solution, self._blank(1)
-        return PredictedSolution(
-            start=old.start,
-            offset=np.concatenate([old.offset, blank.offset])[rows],
-            inputs=np.concatenate([old.inputs, blank.inputs])[rows],
-            active_set=np.concatenate([old.active_set, blank.active_set])[rows],
-            solved=np.concatenate([old.solved, blank.solved])[rows],
-        )
+def _reordered(old: PredictedSolution, have: Names, names: Names) -> PredictedSolution:
+    """Return the rows of `names` of solutions of the vehicles `have`; a new one is on its reference."""
+    return PredictedSolution(
+        start=old.start,
+        offset=rows_by_name(old.offset, have, names),
+        inputs=rows_by_name(old.inputs, have, names),
+        active_set=rows_by_name(old.active_set, have, names),
+        solved=rows_by_name(old.solved, have, names, -np.inf),
+    )
 
 
 @compiled
