@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.disturbance.observer import JUMP, DisturbanceObserver, Estimate, Measurement
+from q2q_control.disturbance.observer import JUMP, DisturbanceObserver, Estimate, MeasuredRows, Measurement
 from q2q_control.disturbance.tracker import measured_rows
 from q2q_control.inputs.alignment import ETA, POS, QUAT, TRACK, VEL
 from q2q_model.geometry.rotations import rotate
@@ -17,14 +17,8 @@ ONE = np.ones(1, np.bool_)
 
 def seen(t: float, height: float, acc: float, fresh: bool = True) -> Measurement:
     """Return a measurement of one vehicle that moves vertically."""
-    return Measurement(
-        t,
-        ("cf1",),
-        np.array([[0.0, 0.0, height]]),
-        np.zeros((1, 3)),
-        np.array([[0.0, 0.0, acc]]),
-        np.array([fresh]),
-    )
+    pos, acc_by_thrust = np.array([[0.0, 0.0, height]]), np.array([[0.0, 0.0, acc]])
+    return Measurement(t, ("cf1",), MeasuredRows(pos, np.zeros((1, 3)), acc_by_thrust, np.array([fresh])))
 
 
 def falling(push: float, ticks: int, bandwidth: tuple[float, float] = (12.0, 8.0)) -> list[Estimate]:
@@ -110,14 +104,8 @@ def test_estimates_stay_with_their_names():
     observer = DisturbanceObserver(12.0, 8.0, 10.0)
     for k in range(100):
         observer.update(seen(k * DT, -0.5 * (k * DT) ** 2, 0.0))
-    two = Measurement(
-        1.0,
-        ("cf2", "cf1"),
-        np.array([[0, 0, 1.0], [0, 0, -0.5]]),
-        np.zeros((2, 3)),
-        np.zeros((2, 3)),
-        np.ones(2, np.bool_),
-    )
-    estimate = observer.update(two)
+    pos, zero = np.array([[0, 0, 1.0], [0, 0, -0.5]]), np.zeros((2, 3))
+    two = MeasuredRows(pos, zero, zero, np.ones(2, np.bool_))
+    estimate = observer.update(Measurement(1.0, ("cf2", "cf1"), two))
     assert estimate.disturbance[0, 2] == 0.0
     assert abs(estimate.disturbance[1, 2] + 1.0) < 0.02  # 8 time constants of 1/8 s, and faster poles

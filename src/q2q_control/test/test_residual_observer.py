@@ -6,7 +6,7 @@ from scipy.linalg import solve_discrete_are
 from scipy.signal import lfilter
 
 from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
-from q2q_control.disturbance.observer import Measurement
+from q2q_control.disturbance.observer import MeasuredRows, Measurement
 from q2q_control.disturbance.residual_observer import (
     CLIMB,
     HEIGHT,
@@ -31,7 +31,7 @@ NO_SLOPE = ResidualProcess(floor=0.5, slope=0.0)
 def seen(t: float, height: float, acc: float = 0.0, fresh: bool = True) -> Measurement:
     """Return a measurement of one vehicle."""
     pos, zero = np.array([[0.0, 0.0, height]]), np.zeros((1, 3))
-    return Measurement(t, NAME, pos, zero, np.array([[0.0, 0.0, acc]]), np.array([fresh]))
+    return Measurement(t, NAME, MeasuredRows(pos, zero, np.array([[0.0, 0.0, acc]]), np.array([fresh])))
 
 
 def run(

@@ -40,13 +40,9 @@ GAP_MAX = 0.1
 """Time between ticks [s] beyond which the estimate restarts at the measurement."""
 
 
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """Measurements of the vehicles at one tick."""
+class MeasuredRows(NamedTuple):
+    """What is measured of vehicles at one tick."""
 
-    t: float
-    """Stamp of the tick [s]."""
-    names: Names
     pos: Array
     """[m], world, (n, 3)."""
     vel: Array
@@ -55,6 +51,16 @@ class Measurement:
     """By thrust and predicted downwash, mean since the last tick [m/s^2], world, (n, 3)."""
     fresh: NDArray[np.bool_]
     """Rows whose position was measured at this tick, (n,); the others follow the model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """Measurements of named vehicles at one tick."""
+
+    t: float
+    """Stamp of the tick [s]."""
+    names: Names
+    rows: MeasuredRows
 
 
 class Estimate(NamedTuple):
@@ -66,15 +72,6 @@ class Estimate(NamedTuple):
     """[m/s], world, (n, 3)."""
     disturbance: Array
     """[m/s^2], world, (n, 3)."""
-
-
-class MeasuredRows(NamedTuple):
-    """Arrays of a Measurement."""
-
-    pos: Array
-    vel: Array
-    acc: Array
-    fresh: NDArray[np.bool_]
 
 
 class ObserverGain(NamedTuple):
@@ -116,9 +113,8 @@ class DisturbanceObserver:
             self._known[:] = False
             step = GAP_MAX  # of no consequence: no row is known
         gain = observer_gain(self._poles[0], self._poles[1], step)
-        rows = MeasuredRows(measured.pos, measured.vel, measured.acc, measured.fresh)
-        self.estimate = correct_estimate(self.estimate, rows, self._known, gain, self._max)
-        self._known |= measured.fresh
+        self.estimate = correct_estimate(self.estimate, measured.rows, self._known, gain, self._max)
+        self._known |= measured.rows.fresh
         return self.estimate
 
     def _reorder(self, names: Names) -> None:

@@ -93,10 +93,11 @@ class ResidualObserver:
             self._known[:] = False
             step = GAP_MAX  # of no consequence: no row is known
         self._sigma = self._process.std(eta)
-        pos, vel, acc = (column[:, 2].copy() for column in (measured.pos, measured.vel, measured.acc))
-        rows = ResidualRows(pos, vel, acc, self._sigma, measured.fresh)
+        *motion, fresh = measured.rows
+        height, climb, acc = (column[:, 2].copy() for column in motion)
+        rows = ResidualRows(height, climb, acc, self._sigma, fresh)
         advance(self.belief, self._known, rows, step, self._process.correlation(step))
-        self._known |= measured.fresh
+        self._known |= fresh
         return self.belief.state.copy()
 
     def correct_by_accelerometer(self, t: float, push: Array) -> None:

@@ -99,7 +99,7 @@ class DisturbanceTracker:
         thrusts = self._actuation.thrust, self._actuation.mean_thrust
         rows, acc, self._eta = measured_rows((tick.table, tick.usable), before, thrusts, self._mass)
         self._names = tick.names
-        measured = Measurement(tick.t, tick.names, *rows)
+        measured = Measurement(tick.t, tick.names, rows)
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._residual_observer is not None:
             eta, quat = self._eta[:, 2], tick.table[:, QUAT].copy()
