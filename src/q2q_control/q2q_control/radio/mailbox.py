@@ -38,7 +38,7 @@ class Mailbox:
         """Send a packet next and drop all that wait."""
         with self._change:
             self._waiting.clear()
-        self.put_once(send)
+            self.put_once(send)  # in the same hold of the lock, which its thread may take twice
 
     def log_lines(self) -> list[str]:
         """Return and clear the errors met since, each kind once."""
