@@ -94,7 +94,9 @@ def setpoint_refusal(observation: Observation, near: float, landing: LandingPara
     if not observation.setpoint_age <= landing.stale_s:
         return f"no setpoint younger than {landing.stale_s:g} s: start trajectory and replanner"
     for name, far in zip(
-        observation.names, _norm(observation.pos - observation.setpoint_pos).tolist(), strict=True
+        observation.names,
+        np.linalg.norm(observation.pos - observation.setpoint_pos, axis=1).tolist(),
+        strict=True,
     ):
         if not far <= near:
             found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
@@ -150,7 +152,7 @@ def _estimates(observation: Observation, params: FlightProcedureParams) -> Itera
     for one, pos in zip(observation.vehicles, observation.pos, strict=True):
         if one.onboard is None:
             continue
-        far = float(_norm(np.array(one.onboard) - pos))
+        far = float(np.linalg.norm(np.array(one.onboard) - pos))
         if np.isnan(one.onboard).any():
             yield f"{one.name} stopped sending its own estimate x, y, z: check its link and its log topics"
         if not far <= params.estimator_error:
@@ -167,7 +169,7 @@ def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
 
 
 def _standing(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
-    heights, speeds = observation.pos[:, 2] - params.ground_height, _norm(observation.vel)
+    heights, speeds = observation.pos[:, 2] - params.ground_height, np.linalg.norm(observation.vel, axis=1)
     for name, height, speed in zip(observation.names, heights.tolist(), speeds.tolist(), strict=True):
         if not abs(height) <= params.near_ground:
             yield f"{name} is {height:.2f} m above the ground: it must stand on it; set `ground_height`"
@@ -184,7 +186,7 @@ def _places(observation: Observation, params: FlightProcedureParams) -> Iterator
         yield f"the plan is for {planned}, the vehicles are {flown}"
         return
     off = observation.pos[:, :2] - observation.first_points()[:, :2]
-    for name, far in zip(observation.names, _norm(off).tolist(), strict=True):
+    for name, far in zip(observation.names, np.linalg.norm(off, axis=1).tolist(), strict=True):
         if not far <= params.start_tolerance:
             yield f"{name} is {far:.2f} m from its first point: {params.start_tolerance:.2f} m is the maximum"
 
@@ -203,7 +205,3 @@ def _extent(observation: Observation, params: FlightProcedureParams) -> Iterator
 
 def _first(reasons: Iterator[str]) -> str:
     return next((reason for reason in reasons if reason), "")
-
-
-def _norm(rows: Array) -> Array:
-    return np.asarray(np.sqrt((rows * rows).sum(axis=-1)))
