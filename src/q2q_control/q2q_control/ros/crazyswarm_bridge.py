@@ -21,12 +21,11 @@ from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
-from q2q_model.ros.topics.messages import MESSAGES, header_at
+from q2q_model.ros.topics.messages import MESSAGES, header_at, stamp_of
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
 from q2q_model.ros.topics.subscriptions import subscribe_signals
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.stamps import stamp_from_parts
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.vehicle.constants import vehicle_by_name
 
@@ -142,9 +141,8 @@ class Crazyswarm:
     def _on_poses(self, message: PosesMessage) -> None:
         if self._poses is None:
             return
-        stamp = message.header.stamp
         try:
-            stamp_ns = stamp_from_parts(stamp.sec, stamp.nanosec)
+            stamp_ns = stamp_of(message.header)
         except ValueError as refusal:
             self._health.refuse(f"{self._settings.poses_in}: {refusal}")
             return

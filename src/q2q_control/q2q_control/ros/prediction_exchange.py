@@ -15,9 +15,9 @@ from q2q_control.mpc.prediction.time_slots import BroadcastSchedule
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
 from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.node.tick_wiring import TickWiring
+from q2q_model.ros.topics.messages import stamp_of
 from q2q_model.ros.topics.qos import MANY_WRITERS, TICK_WRITER
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.stamps import stamp_from_parts
 from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.signals.values import Names, SwarmCommand, SwarmState
 
@@ -64,13 +64,13 @@ class PredictionExchange:
         prediction = self._mpc.prediction
         if prediction is not None and self._state is not None and self._schedule.take_turn(self._state):
             message = encode_prediction(prediction)
-            self._own.send(_stamp_of(message))
+            self._own.send(stamp_of(message.header))
             self._publisher.publish(message)
 
     def _receive(self, message: PredictionMessage) -> None:
         try:
             if own := set(message.names).intersection(self._vehicles):
-                self._own.receive(_stamp_of(message), own)
+                self._own.receive(stamp_of(message.header), own)
                 return
             self._mpc.receive(decode_prediction(message))
             self._wiring.resume()
@@ -101,8 +101,3 @@ class PredictionExchange:
             self._warned.add(conflicts)
             self._node.get_logger().warning(report)
         return report
-
-
-def _stamp_of(message: PredictionMessage) -> int:
-    stamp = message.header.stamp
-    return stamp_from_parts(stamp.sec, stamp.nanosec)

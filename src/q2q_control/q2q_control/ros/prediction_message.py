@@ -6,8 +6,8 @@ import numpy as np
 from q2q_msgs.msg import Prediction as PredictionMessage
 
 from q2q_control.mpc.prediction.neighbours import PredictedPaths
-from q2q_model.ros.topics.messages import header_at
-from q2q_model.signals.stamps import stamp_from_parts, stamp_from_time, time_from_stamp
+from q2q_model.ros.topics.messages import header_at, stamp_of
+from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 
 
 def encode_prediction(prediction: PredictedPaths) -> PredictionMessage:
@@ -26,7 +26,6 @@ def decode_prediction(message: PredictionMessage) -> PredictedPaths:
     names = tuple(message.names)
     if not names or len(message.position) % (3 * len(names)):
         raise ValueError(f"{len(message.position)} coordinates of {len(names)} vehicles: 3NK are expected")
-    stamp = message.header.stamp
-    t = time_from_stamp(stamp_from_parts(stamp.sec, stamp.nanosec))
+    t = time_from_stamp(stamp_of(message.header))
     pos = np.array(message.position, np.float32).reshape(len(names), -1, 3)
     return PredictedPaths(t, names, t + message.start, message.step, pos)
