@@ -207,12 +207,12 @@ def test_what_an_external_vehicle_may_have_done_since_its_state_grows_its_zone()
     traffic = among_external_vehicles(states([0.0, 0.3, 2.5], [1.0, 2.0, 3.0]))
     assert traffic.own == 2
     np.testing.assert_allclose(
-        traffic.pos[2:], [[1.0, 0.0, 0.0], [2.0, 0.3, 0.0], [3.0, 2.5, 0.0]], atol=1e-15
+        traffic.rows.pos[2:], [[1.0, 0.0, 0.0], [2.0, 0.3, 0.0], [3.0, 2.5, 0.0]], atol=1e-15
     )
-    assert traffic.vel[2:].tolist() == [[0.0, 1.0, 0.0]] * 3
+    assert traffic.rows.vel[2:].tolist() == [[0.0, 1.0, 0.0]] * 3
     turned = np.array([0.5 * 3.0 * 0.02**2, 0.5 * 3.0 * 0.32**2, 3.0 * 2.52])  # the last: 2 m/s against 1
-    np.testing.assert_allclose(traffic.growth[2:, 0], turned + SNAP_POS + PARAMS.tracking, rtol=1e-14)
-    np.testing.assert_allclose(traffic.growth[2:, 1], np.array([0.06, 0.96, 3.0]) + SNAP_VEL, rtol=1e-14)
+    np.testing.assert_allclose(traffic.rows.growth[2:, 0], turned + SNAP_POS + PARAMS.tracking, rtol=1e-14)
+    np.testing.assert_allclose(traffic.rows.growth[2:, 1], np.array([0.06, 0.96, 3.0]) + SNAP_VEL, rtol=1e-14)
 
 
 def test_an_external_vehicle_that_keeps_the_law_certainly_brakes_from_its_hold_on() -> None:

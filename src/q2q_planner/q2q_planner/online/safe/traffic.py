@@ -38,7 +38,7 @@ class TrafficRows(NamedTuple):
     """Where vehicles are, and how far that is known."""
 
     pos: Array
-    """[m], (rows, 3)."""
+    """[m], (rows, 3); external vehicles extrapolated at constant velocity."""
     vel: Array
     """[m/s], (rows, 3)."""
     growth: Array
@@ -51,28 +51,16 @@ class TrafficTable:
 
     own: int
     """Rows of the swarm."""
-    pos: Array
-    """[m], (rows, 3); external vehicles extrapolated at constant velocity."""
-    vel: Array
-    """[m/s], (rows, 3)"""
-    growth: Array
-    """g0 [m] and g1 [m/s], (rows, 2)."""
+    rows: TrafficRows
     certain: Motions
     """Motion that each external vehicle certainly flies, (m, ...)."""
     pairs: Pairs
     """Rows i < j of pairs that can affect each other, i of the swarm."""
 
-    @property
-    def rows(self) -> TrafficRows:
-        """Return the arrays of all rows."""
-        return TrafficRows(self.pos, self.vel, self.growth)
-
 
 _ALONE = TrafficTable(
     0,
-    _EMPTY,
-    _EMPTY,
-    np.zeros((0, 2)),
+    TrafficRows(_EMPTY, _EMPTY, np.zeros((0, 2))),
     Motions(_EMPTY, _EMPTY, _EMPTY, np.zeros(0), np.zeros((0, 2)), _EMPTY),
     NO_PAIRS,
 )
@@ -122,7 +110,8 @@ def traffic_at(
     limits = limits_of(params, committed.dt)
     put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits)
     rows = committed.rows._replace(pos=pos[:own], vel=vel[:own], on_reference=put)
-    return committed.with_rows(rows), TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
+    table = TrafficTable(own, TrafficRows(pos, vel, grown), external.certain, Pairs(i, j))
+    return committed.with_rows(rows), table
 
 
 @compiled
@@ -185,7 +174,7 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
     hold, slacks = np.maximum(step - states.age, 0.0), np.stack([slack, np.zeros(count)], -1)
     certain = Motions(pos, vel, still, hold, slacks, still)
     there = states.pos + states.vel * states.age[:, None]
-    return TrafficTable(0, there, states.vel, growth, certain, NO_PAIRS)
+    return TrafficTable(0, TrafficRows(there, states.vel, growth), certain, NO_PAIRS)
 
 
 @compiled
