@@ -143,7 +143,7 @@ def motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, A
         first = min(when[row], motions.hold[row])
         speed = _speed(vel[row], acc[row], first)
         late = min(when[row] - first, speed / brake)
-        distance = late - 0.5 * brake * late * late / speed if speed > 0.0 else 0.0
+        distance = _braking_share(when[row], motions.hold[row], speed, brake)
         left = max(0.0, 1.0 - brake * late / speed) if speed > 0.0 else 0.0
         for axis in range(3):
             rate = vel[row, axis] + acc[row, axis] * first
