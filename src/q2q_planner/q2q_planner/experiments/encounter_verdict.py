@@ -9,6 +9,7 @@ references of vehicles apart stay within `acc_max` and `speed_max`, since other 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.experiments.random_encounters import Encounter, all_clear
 from q2q_planner.offline.minimum_snap.flight_limits import peak_norm
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.setpoint_error import reference_between
 
 BETWEEN = 4
 """Samples per tick."""
@@ -68,8 +70,7 @@ def judge_encounter(
     flown: Sequence[SwarmSetpoint], encounter: Encounter, params: SafeReplannerParams
 ) -> EncounterVerdict:
     """Return the verdict on an encounter."""
-    tick = encounter.tick
-    pos = _between(flown, tick)  # (ticks, BETWEEN, n, 3)
+    tick, pos = encounter.tick, _between(flown)  # (ticks, BETWEEN, n, 3)
     i, j = np.triu_indices(pos.shape[2], 1)
     distance = Cylinder(params.eps, params.d).signed_distance(pos[:, :, i] - pos[:, :, j])
     reported = np.array([one.status == SetpointStatus.PROMISE_BROKEN for one in flown])
@@ -90,13 +91,8 @@ def judge_encounter(
     )
 
 
-def _between(flown: Sequence[SwarmSetpoint], tick: float) -> Array:
+def _between(flown: Sequence[SwarmSetpoint]) -> Array:
     """Return positions within each tick [m], (ticks, BETWEEN, n, 3): the cubic to the next one."""
-    pos, vel = np.array([one.pos for one in flown]), np.array([one.vel for one in flown])
-    after, rate = np.concatenate([pos[1:], pos[-1:]]), np.concatenate([vel[1:], vel[-1:]])
-    found = []
-    for share in np.arange(BETWEEN) / BETWEEN:
-        rest = 1.0 - share
-        ends = (1.0 + 2.0 * share) * rest**2 * pos + share**2 * (3.0 - 2.0 * share) * after
-        found.append(ends + tick * share * rest * (rest * vel - share * rate))
-    return np.stack(found, axis=1)
+    shares = np.arange(BETWEEN) / BETWEEN
+    ticks = pairwise([*flown, flown[-1]])
+    return np.array([[reference_between(one, after, share) for share in shares] for one, after in ticks])
