@@ -27,9 +27,10 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import SwarmImu
 from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
-from q2q_planner.offline.zones.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
+from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner

@@ -30,8 +30,6 @@ from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.zones.altitude_response import altitude_rms
 
-__all__ = ["PAPER_LOOP", "DownwashPlan", "LearnedDownwash", "avoid_downwash"]
-
 HARMLESS = 1e-3
 """Height error that needs no reduction [m]: below VICON's 2 mm dynamic error."""
 STEP = 0.02
