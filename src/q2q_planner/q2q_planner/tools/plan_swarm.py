@@ -28,7 +28,7 @@ from q2q_planner.tools.flight_options import naming_options, read_swarm
 from q2q_planner.tools.risk_options import risk_facts, risk_params
 from q2q_planner.tools.zone_options import zone_of
 
-DRAFT = "paper_law"
+DRAWN_MODEL = "paper_law"
 """Downwash of Figs 11 and 13 without --model."""
 
 
@@ -136,7 +136,7 @@ def _write_others(asked: Namespace, made: Planned, uploads: Mapping[str, Array])
 def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zone: Zone) -> None:
     from q2q_planner.tools import plan_figures  # drawing is slow to import
 
-    model = find_model(asked.model or DRAFT).interaction
+    model = find_model(asked.model or DRAWN_MODEL).interaction
     free = minimum_snap_plan(swarm, asked.reading)
     for path in plan_figures.draw_all(asked.figures, made.plan, free, zone, model):
         print(f"  drew {path}")

@@ -77,7 +77,8 @@ def _dual(pushes: sparse.csr_array, required: Array, warm: Array, softness: floa
 def nonnegative_qp(gram: Array | sparse.csr_array, required: Array) -> Array:
     """Return argmin 1/2 x'Gx - b'x over x >= 0, (m,), for a positive definite G (m, m).
 
-    Units cancel: in a flight of T seconds, G is in proportion to T^7.
+    Units cancel: in a flight of T seconds, G is in proportion to T^7. Unsolved, it is the last iterate: what
+    comes of it is certified all the same.
     """
     if not (required > 0.0).any():
         return np.zeros_like(required)
