@@ -1,4 +1,9 @@
-"""Wiring common to the nodes `pid` and `mpc`: parameters, inputs, guard, `command` and legacy topics out."""
+"""Wiring common to the nodes `pid` and `mpc`: parameters, inputs, guard, `command` and legacy topics out.
+
+`<name>/cmd_vel_legacy` has the signs of Crazyswarm2's default server, cpp: linear.x is pitch, nose down, and
+linear.y roll, to the right [deg], angular.z yaw rate, to the right [deg/s], linear.z thrust [PWM]. For the
+server cflib, which takes the opposite pitch, set `legacy_hz:=0` and run `crazyswarm` with `backend:=cflib`.
+"""
 
 from dataclasses import dataclass
 
@@ -64,7 +69,7 @@ class ControllerNodeParams:
 
 
 class LegacyTopics:
-    """Publishers of `<name>/cmd_vel_legacy`, in the units and signs of Crazyswarm2's default server."""
+    """Publishers of `<name>/cmd_vel_legacy`."""
 
     def __init__(self, node: Node, scale: RpytScale, rate_hz: float, names: Names) -> None:
         """Publish at most `rate_hz` times per second; `names` are the vehicles known in advance."""

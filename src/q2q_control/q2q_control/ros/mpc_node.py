@@ -1,10 +1,6 @@
 """MPC node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out.
 
 Distributed, one node for each vehicle, it also exchanges `predictions` with the others.
-
-`<name>/cmd_vel_legacy` has the signs of Crazyswarm2's default server, cpp: linear.x is pitch, nose down, and
-linear.y roll, to the right [deg], angular.z yaw rate, to the right [deg/s], linear.z thrust [PWM]. For the
-server cflib, which takes the opposite pitch, set `legacy_hz:=0` and run `crazyswarm` with `backend:=cflib`.
 """
 
 from collections.abc import Callable
@@ -34,10 +30,11 @@ from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
+from q2q_model.ros.topics.messages import stamp_of
 from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.topic_names import PLAN
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
@@ -185,8 +182,7 @@ def _within(budget: TimeBudget, compute: Callable[..., SwarmCommand]) -> Callabl
 
 def preview_of(message: Plan) -> SampledPreview:
     """Return the preview of the plan in a message."""
-    stamp = message.header.stamp
-    start = time_from_stamp(stamp_from_parts(stamp.sec, stamp.nanosec))
+    start = time_from_stamp(stamp_of(message.header))
     return sampled_preview(tuple(message.names), decode_trajectories(message), start)
 
 

@@ -3,10 +3,6 @@
 The default gains are the paper's, with a soft altitude loop without integral: where thrust is 1 % off, height
 is 12 cm off. Real vehicles, and rooms with wind, batteries or wakes of their own, need others, such as those
 shipped in `src/q2q_control/config`: `--ros-args --params-file src/q2q_control/config/pid_tuned.yaml`.
-
-`<name>/cmd_vel_legacy` has the signs of Crazyswarm2's default server, cpp: linear.x is pitch, nose down, and
-linear.y roll, to the right [deg], angular.z yaw rate, to the right [deg/s], linear.z thrust [PWM]. For the
-server cflib, which takes the opposite pitch, set `legacy_hz:=0` and run `crazyswarm` with `backend:=cflib`.
 """
 
 from dataclasses import dataclass
@@ -27,7 +23,7 @@ from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.tunable import tunable
-from q2q_model.vehicle.constants import vehicle_by_name
+from q2q_model.vehicle.constants import Vehicle, vehicle_by_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +44,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     params = declare(node, PidParams(), in_flight=True)
     if own.live and (warning := soft_altitude(params)):
         node.get_logger().warning(warning)
-    block = correcting_pid(node, own, params) if own.correct else Pid(params, vehicle, own.vehicles)
+    block = _correcting_pid(node, own, params, vehicle) if own.correct else Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
     if isinstance(block, ObservedPid):
@@ -58,9 +54,10 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     return wiring
 
 
-def correcting_pid(node: Node, own: ControllerNodeParams, params: PidParams) -> ObservedPid:
+def _correcting_pid(
+    node: Node, own: ControllerNodeParams, params: PidParams, vehicle: Vehicle
+) -> ObservedPid:
     """Return the PID that corrects the predicted downwash."""
-    vehicle = vehicle_by_name(own.vehicle, own.firmware)
     residual = find_model(declare(node, PidNodeParams()).model).residual or REAL_FLIGHTS
     return ObservedPid(params, declare(node, TrackerParams()), vehicle, own.vehicles, residual)
 

@@ -14,10 +14,10 @@ from std_msgs.msg import Float32, Header
 from q2q_control.radio.link import LinkHealth, OnboardPose
 from q2q_model.node.connections import conflicting_nodes
 from q2q_model.node.decimation import Decimation
+from q2q_model.signals.cdr.cdr_format import WORLD
 from q2q_model.signals.values import Names
 
 QUEUE = 10
-WORLD = "world"
 
 
 class RadioTopics:
