@@ -22,7 +22,7 @@ remaining range (position control needs tilt, not yaw), then the collective is s
 | f | rotors | thrust of each rotor [N], (..., 4) |
 | l | arm | centre to motor [m] |
 | c | drag_to_thrust | rotor drag torque over thrust [m] |
-| f_max | | largest thrust of one rotor, a quarter of thrust_max [N] |
+| f_max | rotor_max | largest thrust of one rotor, a quarter of thrust_max [N] |
 """
 
 import math

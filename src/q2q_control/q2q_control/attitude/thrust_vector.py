@@ -42,10 +42,9 @@ from q2q_model.vehicle.attitude_limits import THRUST_LEAST
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 UPRIGHT_MIN = 0.3
-"""cos phi cos theta below which (tilted by 70 deg) thrust is no longer raised for it."""
+"""Least cos phi cos theta that thrust is raised for: beyond a tilt of 72.5 deg it is raised as at that."""
 WEIGHT_MIN = 0.3
-"""Vertical thrust over weight below which tilt is no longer raised for it, so that a falling vehicle stays
-level."""
+"""Least vertical thrust over weight that tilt is computed for: a falling vehicle is not tilted further."""
 
 
 class ThrustLimits(NamedTuple):

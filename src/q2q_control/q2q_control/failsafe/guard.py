@@ -3,8 +3,8 @@
 The same guard wraps the PID and the MPC, in closed_loop and in the nodes. The fallback phases are those of
 q2q_control.failsafe.fallback_phases, by the age of vehicle i's measurement at tick t:
 
-    a_i = t - b_i        b_i = t - max(t - t_state + l, 0) - age_i   if the controller used the state,
-                         b_i unchanged                               if it answered HOLD or LEVEL
+    a_i = t - b_i     b_i = t - max(t - t_state + max(l, 0), 0) - age_i   if the controller used the state,
+                      b_i unchanged                                       if it answered HOLD or LEVEL
 
 The age grows by stamps, whether samples, frames or whole messages are missing; live, b moves with a clock
 that is set ahead. A vehicle that was never measured counts from its first tick. One measured again before it

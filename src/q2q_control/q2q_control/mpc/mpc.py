@@ -222,17 +222,15 @@ class Mpc:
         return blend(received, known_neighbours(straight, setpoint, references), share)
 
     def _horizon(self, tick: Aligned, initial: InitialState, forecast: Forecast) -> Horizon:
-        eta, reserve = (
-            forecast.downwash.eta[: len(tick.names)],
-            np.zeros((len(tick.names), self._params.steps)),
-        )
+        n, process = len(tick.names), self._setup.residual_process
+        eta, reserve = forecast.downwash.eta[:n], np.zeros((n, self._params.steps))
         push = eta + initial.disturbance[:, None]
-        if self._setup.residual_process is not None:
-            push[..., 2] -= faded_residual(initial.residual, self._setup.residual_process, self._params)
-            reserve = thrust_reserve(eta[..., 2], self._setup.residual_process, self._params)
+        if process is not None:
+            push[..., 2] -= faded_residual(initial.residual, process, self._params)
+            reserve = thrust_reserve(eta[..., 2], process, self._params)
         low, high = input_bounds(tick.table[:, QUAT].copy(), self._acceleration_limits, reserve)
         states = initial.states
-        if not tick.all_usable:  # nobody knows where they are
+        if not tick.all_usable:  # the others it does not command: on their references they cost nothing
             still = _on_reference(forecast.reference[:, 0], push[:, 0])
             states = np.where(tick.usable[:, None, None], states, still)
         return Horizon(states, forecast.reference, push, forecast.path, low, high, self._slew_max)

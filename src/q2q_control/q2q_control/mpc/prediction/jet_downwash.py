@@ -75,7 +75,7 @@ def _evaluate(law: JetLaw, places: Array, motion: Array, push: Array, eta: Array
 
 @compiled(**BORROWING)
 def _displace(places: Array, moves: Rows) -> None:
-    """Write the first places (N, 3) moved by +DELTA and by -DELTA along each axis, as `displaced` does."""
+    """Write the first places (N, 3) moved by +DELTA and by -DELTA along each axis, as `displaced_places`."""
     for a in range(moves.size):
         for k in range(places.shape[1]):
             for axis in range(3):
