@@ -59,6 +59,14 @@ def test_below_a_vehicle_that_somebody_else_flies_commands_are_those_below_an_up
     assert found[-1].thrust[0] > 1.1 * HOVER  # 2.1 m/s^2 of downwash
 
 
+def test_an_mpc_of_both_compensates_the_downwash_of_its_own_vehicle_without_attitude() -> None:
+    found, expected = (commands(aware_mpc(), NAMES, seen(60, sign)) for sign in (-1.0, 1.0))
+    thrust = [np.array([one.thrust[0] for one in made]) for made in (found, expected)]
+    # the joint problem lets the upper one give way from where it is seen, not from its last solution
+    np.testing.assert_allclose(*thrust, atol=0.02 * HOVER)
+    assert thrust[0].min() > 1.1 * HOVER
+
+
 @pytest.mark.parametrize("controller", [pid, mpc], ids=["pid", "mpc"])
 def test_the_vehicle_itself_is_level_then_lands_and_is_cut_and_the_other_flies(
     controller: Callable[[], Controller],

@@ -1,9 +1,9 @@
 """Signals of one tick aligned by vehicle name, and which of the vehicles are usable.
 
-A vehicle is seen if its state is present, finite, of plausible size, and not LOST; usable if its setpoint is,
-too. Unusable rows are filled, so that the laws run over all rows alike: with a setpoint at rest where the
-vehicle is seen, or with a hover at rest at the origin. Their commands are never sent
-(q2q_control.failsafe.last_commands).
+A vehicle is seen if its position and velocity are present, finite, of plausible size, and it is not LOST;
+usable if its attitude and its setpoint are, too. Unusable rows are filled, so that the laws run over all rows
+alike: with a setpoint at rest where the vehicle is seen, level if it has no attitude, or with a hover at rest
+at the origin. Their commands are never sent (q2q_control.failsafe.last_commands).
 """
 
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Aligned:
 
     @property
     def stray(self) -> NDArray[np.bool_]:
-        """Return which vehicles are seen but have no usable setpoint, (n,)."""
+        """Return which vehicles are seen but have no usable attitude or setpoint, (n,)."""
         return self.seen & ~self.usable
 
 
@@ -111,15 +111,17 @@ def mark_usable(table: Array, usable: NDArray[np.bool_], seen: NDArray[np.bool_]
     every = True
     for i in range(table.shape[0]):
         row = table[i]
-        seen[i] = row[TRACK] != _LOST and _is_plausible(row[:REF_POS_AT]) and _is_unit(row)
-        usable[i] = seen[i] and _is_plausible(row[REF_POS_AT:ETA_AT])
+        seen[i] = row[TRACK] != _LOST and _is_plausible(row[:QUAT_AT])
+        turned = _is_unit(row)
+        usable[i] = seen[i] and turned and _is_plausible(row[REF_POS_AT:ETA_AT])
         if not usable[i]:
             every = False
         if not seen[i]:
             row[:] = 0.0
-            row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
         elif not usable[i]:
             row[REF_POS_AT:REF_VEL_AT], row[REF_VEL_AT:ETA_AT] = row[POS_AT:VEL_AT], 0.0
+        if not (seen[i] and turned):
+            row[QUAT_AT : QUAT_AT + 3], row[QUAT_AT + 3] = 0.0, 1.0  # level
         for k in range(ETA_AT, ETA_AT + 3):
             if not abs(row[k]) < LARGEST_VALUE:
                 row[k] = 0.0
@@ -137,7 +139,7 @@ def _is_plausible(values: Array) -> bool:
 
 @compiled
 def _is_unit(row: Array) -> bool:
-    """Return whether the quaternion of a row has unit length."""
+    """Return whether the quaternion of a row has unit length; not if it is not finite."""
     length = 0.0
     for k in range(QUAT_AT, QUAT_AT + 4):
         length += row[k] * row[k]

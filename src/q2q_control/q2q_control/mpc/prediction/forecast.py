@@ -99,7 +99,8 @@ def correct_downwash(
 def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array, times: Array) -> Array:
     """Return the references of the tick's vehicles at `times` (N + 1,) [s], (n, N + 1, 9).
 
-    A vehicle that is seen but has no usable setpoint flies on at its velocity; what is not finite is 0.
+    A vehicle that is seen but has no usable attitude or setpoint flies on at its velocity; what is not finite
+    is 0.
     `references` are those of the vehicles of `setpoint`, (m, N + 1, 9).
     """
     if setpoint.names == tick.names and tick.all_usable:

@@ -1,10 +1,11 @@
 """Tracks, past and future, of all vehicles: the controlled ones and those of other controllers.
 
-A controlled vehicle follows its last solution, or flies on at its velocity if it has no setpoint. A vehicle
-of another controller follows the prediction that its MPC has sent (q2q_control.mpc.prediction.neighbours),
-else it is extrapolated (q2q_control.mpc.prediction.constant_velocity). The weight of a controlled vehicle's
-downwash decays once it is no longer seen: it is still there, but its position is uncertain. The past reaches
-back as far as the longest downwash delay.
+A controlled vehicle follows its last solution, or flies on at its velocity if it has no attitude or setpoint.
+A vehicle of another controller follows the prediction that its MPC has sent
+(q2q_control.mpc.prediction.neighbours), else it is extrapolated
+(q2q_control.mpc.prediction.constant_velocity). The weight of a controlled vehicle's downwash decays once it
+is no longer seen: it is still there, but its position is uncertain. The past reaches back as far as the
+longest downwash delay.
 """
 
 import math
