@@ -267,7 +267,7 @@ def test_every_pair_near_the_zone_is_watched_and_no_other(seed: int, samples: in
 def test_a_plane_that_is_not_touched_has_no_dual() -> None:
     """Of two planes across the way of a pair, the one 1 cm nearer holds it off and the other is loose."""
     spaces = [deviation_space(vehicle, "stop_and_go", 5) for vehicle in SECTION_4_1]
-    samples = sample_swarm([minimum_snap(one) for one in SECTION_4_1], spaces, np.linspace(1.0, 49.0, 49))
+    samples = sample_swarm(minimum_snap_plan(SECTION_4_1), spaces, np.linspace(1.0, 49.0, 49))
     i, j, x = np.array([0, 0]), np.array([1, 1]), np.tile([1.0, 0.0, 0.0], (2, 1))
     rel_x = samples.base[10, 0, 0] - samples.base[10, 1, 0]
     planes = Planes(i, j, np.array([10, 10]), x, rel_x + np.array([0.05, 0.04]))

@@ -104,6 +104,10 @@ class SwarmPlan:
         """Return the time of the longest trajectory [s]."""
         return max(trajectory.duration for trajectory in self.trajectories)
 
+    def positions(self, t: Array) -> Array:
+        """Return the positions of all vehicles at times t (T,) [s] from the start [m], world, (T, n, 3)."""
+        return np.stack([trajectory.at(t)[:, :3] for trajectory in self.trajectories], axis=1)
+
 
 def setpoint_at(plan: SwarmPlan, t: float, start: float = 0.0) -> SwarmSetpoint:
     """Return every vehicle's setpoint at time t [s] of a plan that starts at `start` [s]."""

@@ -45,7 +45,7 @@ def draw_all(
     """
     folder.mkdir(parents=True, exist_ok=True)
     t = np.arange(0.0, plan.duration + TICK, TICK)
-    avoiding, reference = sample_positions(plan, t), sample_positions(free, t)
+    avoiding, reference = plan.positions(t), free.positions(t)
     online = replan_samples(free, t, zone)
     both = {"without avoidance": reference, "with avoidance": avoiding}
     fig10 = _beside(plan, both, zone)
@@ -57,11 +57,6 @@ def draw_all(
         _kept(_heights(plan, {"modified online": online}, model), folder / "fig13.png"),
         _kept(_solid(plan, avoiding, zone), folder / "plan_and_zone.png"),
     ]
-
-
-def sample_positions(plan: SwarmPlan, t: Array) -> Array:
-    """Return positions of all vehicles at times t [s], (T, n, 3)."""
-    return np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)
 
 
 def replan_samples(plan: SwarmPlan, t: Array, zone: Zone) -> Array:

@@ -70,7 +70,7 @@ def search(problem: Problem, start: Start) -> Attempt:
     plan, around = problem.free, start
     for denser in range(DENSER):
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
-        samples = sample_swarm(problem.free.trajectories, problem.spaces, times)
+        samples = sample_swarm(problem.free, problem.spaces, times)
         samples = samples.with_room() if problem.walls else samples
         deviations, taken = _iterate(problem, samples, around, softness, corners=denser > 0)
         steps += taken
@@ -96,7 +96,7 @@ def _iterate(
 ) -> tuple[Array, int]:
     """Return the converged deviations (n, m, 3) and the number of steps; cut corners may get planes."""
     side, dual = start.side, np.zeros((problem.rows, len(samples.t)))
-    positions = np.stack([curve.at(samples.t)[:, :3] for curve in start.plan.trajectories], axis=1)
+    positions = start.plan.positions(samples.t)
     deviations, cost = np.zeros((len(samples.rows), samples.rows.shape[2], 3)), np.inf
     for step in range(problem.most_steps):
         watched = watched_samples(problem, positions, dual > 0.0, corners=corners)

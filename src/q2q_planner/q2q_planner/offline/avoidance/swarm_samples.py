@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_model.trajectory.polynomials import Trajectory
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
 
 FINE = 512
@@ -37,9 +37,7 @@ class SwarmSamples:
         return SwarmSamples(self.t, base, np.concatenate([self.rows, np.zeros((1, count, dimension))]))
 
 
-def sample_swarm(
-    trajectories: Sequence[Trajectory], spaces: Sequence[DeviationSpace], t: Array
-) -> SwarmSamples:
+def sample_swarm(plan: SwarmPlan, spaces: Sequence[DeviationSpace], t: Array) -> SwarmSamples:
     """Return the samples at times t; vehicles are at rest after their end.
 
     Raises:
@@ -49,11 +47,10 @@ def sample_swarm(
     if len(t) > most:
         ways = f"the ways are too long for the radius of the zone: {len(t)} samples, allowed are {most}"
         raise ValueError(f"{ways}; plan a part of the flight, or give a larger zone")
-    base = np.stack([trajectory.at(t)[:, :3] for trajectory in trajectories], axis=1)
     rows = np.zeros((len(spaces), len(t), max(space.dimension for space in spaces)))
     for vehicle, space in enumerate(spaces):
         rows[vehicle, :, : space.dimension] = space.rows(t)
-    return SwarmSamples(t, base, rows)
+    return SwarmSamples(t, plan.positions(t), rows)
 
 
 def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int) -> Array:

@@ -127,5 +127,4 @@ def avoid_downwash(
 def _predicted(plan: SwarmPlan, downwash: LearnedDownwash) -> Array:
     """Return the rms of each vehicle's height error along a plan [m], (n,)."""
     t = np.arange(0.0, plan.duration, STEP)
-    pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories], axis=1)
-    return altitude_rms(pos, STEP, downwash.model, downwash.loop)
+    return altitude_rms(plan.positions(t), STEP, downwash.model, downwash.loop)
