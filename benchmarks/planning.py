@@ -26,7 +26,7 @@ from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan, snap_cost
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, waypoints_through
 from q2q_planner.online.potential_field import PotentialField
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
@@ -90,7 +90,7 @@ def _minimum_snap() -> list[Row]:
     for count in (3, 10, 100):
         points = generator.uniform([-1.0, -1.0, 0.5], [1.0, 1.0, 2.5], (count, 3))
         times = np.concatenate([[0.0], np.cumsum(generator.uniform(1.0, 3.0, count - 1))])
-        vehicle = _vehicle("cf1", times, points)
+        vehicle = waypoints_through("cf1", times, points)
         ours = least_time(lambda vehicle=vehicle: minimum_snap(vehicle, "free"), 1)
         problem = coefficient_problem(times, points)
         theirs, cost = least_time(partial(cost_by_osqp, problem), 1), cost_by_osqp(problem)
@@ -230,13 +230,5 @@ def _room(count: int) -> tuple[VehicleWaypoints, ...]:
     places = np.column_stack([grid, np.full(count, 1.2)]) + generator.uniform(-JITTER, JITTER, (count, 3))
     goals = places[generator.permutation(count)]
     end = max(6.0, GRID * side / SPEED)
-    times = np.array([0.0, end])
-    return tuple(
-        _vehicle(f"cf{row}", times, np.array(pair))
-        for row, pair in enumerate(zip(places, goals, strict=True))
-    )
-
-
-def _vehicle(name: str, times: Array, points: Array) -> VehicleWaypoints:
-    stops = zip(times, points.tolist(), strict=True)
-    return VehicleWaypoints(name, tuple(Waypoint(float(t), (x, y, z)) for t, (x, y, z) in stops))
+    pairs = enumerate(zip(places, goals, strict=True))
+    return tuple(waypoints_through(f"cf{row}", (0.0, end), pair) for row, pair in pairs)

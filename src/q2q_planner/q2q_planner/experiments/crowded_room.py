@@ -18,7 +18,7 @@ from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.feasibility import NotFlyableError, check_feasible
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, waypoints_through
 
 DRAWS = 5000
 """Most draws of a place."""
@@ -73,8 +73,8 @@ def random_swap(
         if not clear.size:
             raise CrowdedError(f"{len(places)} vehicles at rest leave no place for another ({DRAWS} draws)")
         places = np.vstack([places, drawn[clear[0]]])
-    goals = np.roll(places, 1, axis=0)
-    return tuple(_way(row, ends, room.time) for row, ends in enumerate(zip(places, goals, strict=True)))
+    ends = enumerate(zip(places, np.roll(places, 1, axis=0), strict=True), start=1)
+    return tuple(waypoints_through(f"cf{k}", (0.0, room.time), both) for k, both in ends)
 
 
 def plan_swap(
@@ -96,8 +96,3 @@ def plan_swap(
     except (InfeasibleError, NotFlyableError):
         return None
     return plan
-
-
-def _way(row: int, ends: tuple[Array, Array], time: float) -> VehicleWaypoints:
-    (x, y, z), (u, v, w) = ends[0].tolist(), ends[1].tolist()
-    return VehicleWaypoints(f"cf{row + 1}", (Waypoint(0.0, (x, y, z)), Waypoint(time, (u, v, w))))

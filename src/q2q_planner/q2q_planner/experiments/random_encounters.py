@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import waypoints_through
 
 TICKS = (0.01, 0.02, 0.05)
 """Ticks of replanners at 100, 50 or 20 Hz [s]."""
@@ -58,7 +58,9 @@ def random_encounter(
     shape = SHAPES[generator.integers(len(SHAPES))]
     end, side = generator.uniform(3.0, 5.0), generator.uniform(1.5, 2.0 + 0.2 * n)
     points = _mostly_clear_points(generator, shape, n, side, clear_by)
-    plan = minimum_snap_plan([_waypoints(f"cf{row}", own, end) for row, own in enumerate(points)], "free")
+    times = np.linspace(0.0, end, points.shape[1])
+    swarm = [waypoints_through(f"cf{row}", times, own) for row, own in enumerate(points)]
+    plan = minimum_snap_plan(swarm, "free")
     delay, tick = generator.uniform(0.0, LATEST, (n, n)), float(generator.choice(TICKS))
     loss = float(generator.uniform(0.0, MOST_LOST))
     return Encounter(plan, tick, bool(generator.integers(2)), delay, loss)
@@ -93,10 +95,3 @@ def all_clear(pos: Array, clear_by: float = APART) -> bool:
     """Return whether all positions (n, 3) are more than `clear_by` apart horizontally [m]."""
     i, j = np.triu_indices(len(pos), 1)
     return bool(np.hypot(*(pos[i] - pos[j])[:, :2].T).min() > clear_by)
-
-
-def _waypoints(name: str, points: Array, end: float) -> VehicleWaypoints:
-    """Return waypoints at equal intervals from 0 to `end` [s]."""
-    times = np.linspace(0.0, end, len(points)).tolist()
-    rows = zip(times, points.tolist(), strict=True)
-    return VehicleWaypoints(name, tuple(Waypoint(t, (x, y, z)) for t, (x, y, z) in rows))

@@ -19,7 +19,7 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.offline.certificate.certificate import Certificate, certify
 from q2q_planner.offline.minimum_snap.flight_limits import PEAK_ACC, PEAK_SPEED, PEAK_YAW_RATE, FlightLimits
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import waypoints_through
 
 ORDERS = 24
 """Most orders that are tried: all of four vehicles."""
@@ -87,7 +87,9 @@ def wrap_angles(angle: Array) -> Array:
 def _together(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
     duration = max(_duration(start, end, params) for start, end in zip(here, there, strict=True))
     rows = zip(names, here, there, strict=True)
-    return minimum_snap_plan([_way(name, (start, end), (0.0, duration)) for name, start, end in rows])
+    return minimum_snap_plan(
+        [waypoints_through(name, (0.0, duration), (start, end)) for name, start, end in rows]
+    )
 
 
 def _one_by_one(
@@ -119,7 +121,9 @@ def _turn(names: Names, now: Array, mover: int, points: list[Array], params: Gli
     """Return the plan that moves one vehicle along points, the others at rest."""
     times = np.cumsum([0.0, *(_duration(one, other, params) for one, other in pairwise(points))])
     candidates = [
-        _way(name, points, times.tolist()) if row == mover else _way(name, [now[row]] * 2, [0.0, times[-1]])
+        waypoints_through(name, times, points)
+        if row == mover
+        else waypoints_through(name, (0.0, times[-1]), [now[row]] * 2)
         for row, name in enumerate(names)
     ]
     return minimum_snap_plan(candidates)
@@ -135,11 +139,6 @@ def _joined(names: Names, legs: Sequence[SwarmPlan]) -> SwarmPlan:
         for row in range(len(names))
     )
     return SwarmPlan(names, curves)
-
-
-def _way(name: str, points: Sequence[Array], times: Sequence[float]) -> VehicleWaypoints:
-    rows = zip(times, (point.tolist() for point in points), strict=True)
-    return VehicleWaypoints(name, tuple(Waypoint(float(t), (x, y, z), yaw) for t, (x, y, z, yaw) in rows))
 
 
 def _duration(here: Array, there: Array, params: GlideParams) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, waypoints_through
 
 
 def waypoints_of(plan: SwarmPlan) -> tuple[VehicleWaypoints, ...]:
@@ -17,5 +17,4 @@ def waypoints_of(plan: SwarmPlan) -> tuple[VehicleWaypoints, ...]:
 
 def _vehicle(name: str, trajectory: Trajectory) -> VehicleWaypoints:
     times = np.concatenate([[0.0], np.cumsum(trajectory.durations)])
-    rows = zip(times.tolist(), trajectory.at(times).tolist(), strict=True)
-    return VehicleWaypoints(name, tuple(Waypoint(t, (x, y, z), yaw) for t, (x, y, z, yaw) in rows))
+    return waypoints_through(name, times, trajectory.at(times))

@@ -9,6 +9,7 @@ from itertools import pairwise
 from math import isfinite
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from q2q_model.signals.values import Array, Three
 
@@ -61,6 +62,12 @@ class VehicleWaypoints:
     def points(self) -> Array:
         """Return x, y, z [m], yaw [rad] of each waypoint, (m, 4)."""
         return np.array([(*waypoint.pos, waypoint.yaw) for waypoint in self.waypoints], dtype=np.float64)
+
+
+def waypoints_through(name: str, times: ArrayLike, points: ArrayLike) -> VehicleWaypoints:
+    """Return the waypoints of a vehicle: points (m, 3 or 4), x, y, z [m] and yaw [rad], at times (m,) [s]."""
+    rows = zip(np.asarray(times, dtype=np.float64).tolist(), np.asarray(points).tolist(), strict=True)
+    return VehicleWaypoints(name, tuple(Waypoint(t, (x, y, z), *yaw) for t, (x, y, z, *yaw) in rows))
 
 
 def check_swarm(swarm: Sequence[VehicleWaypoints]) -> None:
