@@ -203,10 +203,11 @@ def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
         port = int(endpoint.uris[0].rpartition(":")[2])
         link = CflibLink("cf1", endpoint.uris[0], {}, str(tmp_path))
 
-        fly_until(lambda: kept_open(link).quality == 1.0, crazyflies, endpoint)
+        fly_until(lambda: kept_open(link).quality == 1.0 and link.pose is not None, crazyflies, endpoint)
     try:
         until(lambda: not kept_open(link).connected)
         assert math.isnan(link.health().quality)
+        assert link.pose is None  # the estimate of before its loss is not that of a vehicle found again
         again = CflibFleet(np.zeros((1, 4)))
         with CrtpEndpoint(again.fleet, port, SharedRadioParams()) as endpoint:
             fly_until(lambda: kept_open(link).quality == 1.0, again, endpoint)

@@ -184,7 +184,7 @@ class CflibLink:
 
     def _lost(self, _: str) -> None:
         self._open = False
-        self._known.quality, self._known.info = math.nan, 0
+        self._known.quality, self._known.info, self._known.pose = math.nan, 0, None
         self._pings = PingShare()
 
     def _on_packet(self, _: object) -> None:
