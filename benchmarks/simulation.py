@@ -23,10 +23,10 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE
 from q2q_sim.plant.swarm_air import still_air
 from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
-from q2q_sim.plant.swarm_numpy import run_numpy
 from roofline import BYTES, CORES, flops_of_a_step, peak_flops, peak_traffic
 from row import Row
 from simulated_swarms import STEPS, scenario_of, start_of, swarm_flight, swarm_of
+from swarm_numpy import run_numpy
 
 SIZES = (1, 2, 10, 100, 1000)
 ROUNDS = 7

@@ -44,7 +44,7 @@ from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of, filter_params, p
 from q2q_sim.loop.room import STEPS
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.plant.swarm_air import still_air
-from q2q_sim.plant.swarm_numpy import run_numpy
+from swarm_numpy import run_numpy
 
 Task = Callable[[int], object]
 """Work of a tick, by its number in the scene."""

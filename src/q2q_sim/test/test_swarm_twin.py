@@ -8,7 +8,7 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.plant.swarm_air import still_air
-from q2q_sim.plant.swarm_numpy import run_numpy
+from swarm_numpy import run_numpy
 
 
 def _busy_swarm(vehicle: Vehicle, wake: WakeLaw, seed: int) -> tuple[Swarm, np.ndarray, np.ndarray]:

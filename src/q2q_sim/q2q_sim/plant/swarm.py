@@ -1,7 +1,7 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
 Each physics step finds the push of the air on every vehicle (swarm_air.py), then steps every vehicle
-(body/vectorised_step.py). A test compares the kernel with a plain numpy implementation.
+(body/vectorised_step.py). A test compares the kernel with plain numpy (benchmarks/swarm_numpy.py).
 """
 
 import sys

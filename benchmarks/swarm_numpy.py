@@ -1,4 +1,4 @@
-"""Physics of a swarm in plain numpy: reference for `q2q_sim.plant.swarm` in a test and a benchmark.
+"""Physics of a swarm in plain numpy: reference of a test and of benchmarks for `q2q_sim.plant.swarm`.
 
 Written apart from the compiled loop: all vehicles at once, all pairs dense, rotations by
 q2q_model.geometry.rotations, rotors by q2q_control.attitude.allocation, the downwash from the equations of
