@@ -9,7 +9,7 @@ from time import process_time
 
 import numpy as np
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint

@@ -13,6 +13,7 @@ import pytest
 from room_node import RoomNode, Servers
 from std_srvs.srv import Trigger
 
+from cflib_fleet import Wire
 from q2q_control.flight_procedure.steps import Call
 from q2q_model.model_files.find_model import find_model
 from q2q_model.node.reply import Reply
@@ -24,7 +25,6 @@ from q2q_model.signals.values import Array, MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
-from q2q_sim.crtp.cflib_fleet import Wire
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of

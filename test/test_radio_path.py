@@ -17,6 +17,7 @@ from cflib.crazyflie.high_level_commander import HighLevelCommander
 from cflib.crazyflie.localization import Localization
 from cflib.crazyflie.supervisor import Supervisor
 
+from cflib_fleet import STILL, Wire
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
@@ -29,7 +30,6 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.thrust_map import BRUSHED_MOTOR, PWM_FULL
-from q2q_sim.crtp.cflib_fleet import STILL, Wire
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.packets.packet import is_stream
 from q2q_sim.firmware.firmware import Firmware

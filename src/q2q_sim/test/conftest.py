@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 
 if TYPE_CHECKING:
     from crtp_stage import Stage

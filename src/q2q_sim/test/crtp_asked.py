@@ -1,6 +1,6 @@
 """Questions to a vehicle that speaks CRTP, for tests."""
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 
 
 def ask(crazyflies: CflibFleet, datagram: bytes) -> bytes:

@@ -17,7 +17,7 @@ from cflib.crazyflie.log import LogConfig
 from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
 from room_time import RoomTime, in_room_time
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams

@@ -15,7 +15,7 @@ import pytest
 from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.udpdriver import UdpDriver
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 

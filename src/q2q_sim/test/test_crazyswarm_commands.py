@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command

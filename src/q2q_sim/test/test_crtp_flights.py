@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from cflib_fleet import CflibFleet
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.supervisor.rules import State
 

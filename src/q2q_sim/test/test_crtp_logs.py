@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from crtp_asked import ask
 
+from cflib_fleet import CflibFleet
 from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT

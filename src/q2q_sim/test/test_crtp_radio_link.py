@@ -14,6 +14,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
+from cflib_fleet import CflibFleet
 from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.firmware_params import (
     APP,
@@ -25,7 +26,6 @@ from q2q_control.radio.firmware_params import (
 )
 from q2q_control.radio.firmware_settings import FirmwareSettings
 from q2q_control.radio.link import LinkHealth
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams

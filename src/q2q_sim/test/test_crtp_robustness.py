@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.client_warnings import ClientWarnings
 from q2q_sim.crtp.packets.packet import MAX_DATA, MalformedError, Packet, datagram_of, is_stream, packet_of
 from q2q_sim.crtp.vehicle import MOST_CLIENTS

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cflib_fleet import CflibFleet
 from q2q_model.geometry.quaternion32 import compress_quat, decompress_quat
 from q2q_model.geometry.rotations import quat_from_euler
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams
 from q2q_sim.crtp.tables import log_toc, param_toc
 from q2q_sim.crtp.tables.log_toc import VARIABLES

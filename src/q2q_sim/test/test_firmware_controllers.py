@@ -8,10 +8,10 @@ from firmware_rows import MELLINGER, NO_DRIFT, PID, Numbers, parameters, row_at,
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cflib_fleet import CflibFleet
 from q2q_model.geometry.rotations import matrix_from_quat
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import (
     CONTROL,

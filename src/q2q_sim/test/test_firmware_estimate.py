@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.firmware.estimator import Estimator
 from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.motors.battery import LOW_POWER, Battery

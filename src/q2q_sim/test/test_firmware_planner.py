@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
+from cflib_fleet import CflibFleet
 from q2q_model.signals.values import Array
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import Begin, Planner, PlannerResult, PlanState, Target, Vertical

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from firmware_hover import HOVER, hovering
 
+from cflib_fleet import CflibFleet
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.planner import PlannerResult, Target, Vertical
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR, SET_THRUST

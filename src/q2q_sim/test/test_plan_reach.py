@@ -6,8 +6,8 @@ import struct
 import numpy as np
 import pytest
 
+from cflib_fleet import CflibFleet
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
-from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.ports import memory
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from open_ports import addresses_of
 
-from q2q_sim.crtp.cflib_fleet import CflibFleet
+from cflib_fleet import CflibFleet
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.plant.body.state_row import ROTOR_MAX1
