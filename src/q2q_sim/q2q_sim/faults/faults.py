@@ -19,7 +19,7 @@
 
 A fault begins and ends at the ticks nearest to `start` and `start + duration`, half a tick early or late at
 most, and acts on one at least; without named vehicles on all.
-Faults of processes (a node killed or stopped) are not part of the room: q2q_sim.node_flights.process_faults.
+Faults of processes (a node killed or stopped) are not part of the room: test/process_faults.py.
 """
 
 from collections.abc import Mapping, Sequence

@@ -15,11 +15,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+from frozen_threads import FrozenThreads
+
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.running_nodes import running_nodes
-from q2q_sim.processes.frozen_threads import FrozenThreads
 from q2q_sim.processes.processes import NodeSpec, Processes
 
 MIDDLEWARE = "dds."
