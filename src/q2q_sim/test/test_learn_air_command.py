@@ -46,7 +46,11 @@ def test_a_vehicle_alone_gives_an_air_without_a_jet_that_says_so(
     assert air.wind is not None
     assert air.flights == ("lone",)
     assert air.digests == (flight_digest(recording_of_table(flight).flight),)
-    assert "no jet, absorption, residual or edge torque" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "lone: one vehicle, no wake" in said
+    for term in ("jet", "absorption", "residual", "edge torque", "rotor drag"):
+        assert f"no {term}: " in said
+    assert "no wind" not in said
     assert "wind.gust_std_mps2" in json.loads((tmp_path / "lone.json").read_text())["values"]
 
 

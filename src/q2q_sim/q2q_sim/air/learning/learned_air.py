@@ -118,11 +118,10 @@ def _term(learned: LearnedTerm[T] | None) -> T | None:
 
 
 def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> list[str]:
-    """Return one sentence on each term that the flights do not show."""
+    """Return one sentence on the flights of one vehicle, and on each term that the flights do not show."""
     alone = [record.name for record in records if record.vehicles < 2]
-    if air.jet is None:
-        return ["no jet, absorption, residual or edge torque: too few rows lie under another vehicle"]
     reasons = {
+        "jet": "too few rows lie under another vehicle",
         "absorption": "too few rows lie under two vehicles",
         "residual": "too few rows lie under another vehicle",
         "edge_torque": "no log of motor duties and rates under another vehicle",
