@@ -97,6 +97,15 @@ def test_a_cause_is_taken_out_and_the_others_stay() -> None:
         assert present_causes(without_causes(case, {cause})) == tuple(one for one in CAUSES if one != cause)
 
 
+def test_gusts_of_the_scenario_are_no_cause_in_an_air_that_replaces_them() -> None:
+    for air in ("ring", "measured"):
+        windless = short("stack3", air)
+        gusts = replace(windless.scenario.disturbance, air_std=2.0)
+        assert "wind" not in present_causes(
+            replace(windless, scenario=replace(windless.scenario, disturbance=gusts))
+        )
+
+
 def test_no_vehicle_feels_downwash_once_it_is_taken_out() -> None:
     for case in (short("stack3"), short("stack3", "ring")):
         flown, still = fly_flight_case(case), fly_flight_case(without_causes(case, {"downwash", "wind"}))

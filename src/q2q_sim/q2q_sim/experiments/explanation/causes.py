@@ -85,9 +85,12 @@ def _in_still_air(air: FlownAir | None) -> FlownAir | None:
 
 
 def _without_wind(case: FlightCase) -> FlightCase:
-    air = _without_terms(case.air, ("wind",)) if isinstance(case.air, RoomAir) else case.air
+    if isinstance(case.air, RoomAir):
+        return replace(case, air=_without_terms(case.air, ("wind",)))
+    if case.air is not None:  # a wake law: still air
+        return case
     still = replace(case.scenario.disturbance, air_std=0.0)
-    return replace(case, scenario=replace(case.scenario, disturbance=still), air=air)
+    return _with_scenario(case, replace(case.scenario, disturbance=still))
 
 
 def _without_terms(air: RoomAir, terms: Collection[str]) -> RoomAir:

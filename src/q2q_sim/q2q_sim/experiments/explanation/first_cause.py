@@ -13,6 +13,7 @@ If the loss takes none of its causes, the one with the largest share is named.
 
 from collections.abc import Callable, Collection, Mapping
 
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.explanation.causes import FAULTS
 from q2q_sim.experiments.explanation.flight_case import FlightCase
 from q2q_sim.experiments.explanation.loss import Loss
@@ -53,8 +54,10 @@ def _causes_with_faults(case: FlightCase, loss: Loss) -> set[str]:
 
 def _gusts(case: FlightCase) -> float:
     """Return the standard deviation of a flight's gusts [m/s^2]; infinite with a steady wind beyond that."""
-    term = getattr(case.air, "wind", None)
-    if term is None:
+    if case.air is None:
         return case.scenario.disturbance.air_std
+    term = case.air.wind if isinstance(case.air, RoomAir) else None
+    if term is None:
+        return 0.0
     steady = max(map(abs, term.mean_mps2))
     return term.gust_std_mps2 if steady <= ORDINARY_GUSTS else float("inf")
