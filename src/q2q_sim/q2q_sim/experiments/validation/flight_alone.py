@@ -23,9 +23,8 @@ from q2q_sim.experiments.validation.comparison import ErrorSums, error_sums
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE
 from q2q_sim.experiments.validation.tracked_flight import flying_grid
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.controllers.columns import Power, frame_row, fresh_memory, setpoint_row
-from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
-from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.firmware.controllers.columns import Power, setpoint_row
+from q2q_sim.firmware.firmware_tick import airframe_in, fly_tick, fresh_controllers
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.loop.scenario_air import ambient_of_air
 from q2q_sim.plant.body.state_row import POS, QUAT, VEL
@@ -114,11 +113,11 @@ def flown_positions(flight: FlightAlone, rows: Array, vehicle: Vehicle, air: Flo
     swarm = Swarm(("cf1",), vehicle, np.append(flight.pos[0], yaw)[None], air, seed)
     swarm.state[0, VEL], swarm.state[0, QUAT] = flight.vel, flight.quat
     ambient = ambient_of_air(air, 1, TICK, seed)
-    airframe = airframe_of(vehicle)
-    gains, frame = Parameters(airframe).gains()[None], frame_row(airframe)[None]
-    memory, drift = fresh_memory(1), np.zeros((1, 6))
+    airframe = airframe_in(swarm, vehicle)
+    controllers = fresh_controllers(airframe, 1)._replace(gains=Parameters(airframe).gains()[None])
     pos = np.empty((len(rows), 3))
     for k, row in enumerate(rows):
         pos[k] = swarm.state[0, POS]
-        fly_tick(swarm, Controllers(np.tile(row, (1, 2, 1)), gains, memory, frame, drift), ambient.drive())
+        controllers.setpoints[:] = row
+        fly_tick(swarm, controllers, ambient.drive())
     return pos
