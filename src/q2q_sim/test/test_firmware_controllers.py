@@ -25,6 +25,8 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.pid_step import PidColumns, filtered, pid, slope_of
+from q2q_sim.firmware.controllers.position_pid import FilteredPid
+from q2q_sim.firmware.controllers.position_pid import axis as filtered_pid
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.plant.body.state_row import QUAT, RATE
 
@@ -157,11 +159,14 @@ def test_a_pid_sums_its_three_parts_and_stops_at_its_limits() -> None:
     gains, memory, dt = np.array([2.0, 0.5, 0.1]), np.zeros(4), 0.01
     errors = [1.0, 2.0, -0.5]
     for error in errors:
-        out = pid(error, slope_of(memory, 0, -error, dt), memory, gains, PidColumns(0, 0, dt, 5000.0, 0.0))
+        out = pid(error, slope_of(memory, 0, -error, dt), memory, gains, PidColumns(0, 0, dt, 5000.0))
     slope = (errors[2] - errors[1]) / dt  # of minus the measurement
     assert out == pytest.approx(2.0 * errors[2] + 0.5 * sum(errors) * dt + 0.1 * slope)
-    assert pid(1e9, 0.0, memory, gains, PidColumns(0, 0, dt, 1.0, 7.0)) == 7.0
+    assert pid(1e9, 0.0, memory, gains, PidColumns(0, 0, dt, 1.0)) == 2e9 + 0.5
     assert memory[0] == 1.0  # the integral's own limit
+    memory = np.zeros(MEMORY_WIDTH)
+    assert filtered_pid(1e9, 0.0, memory, gains, FilteredPid(0, 0, output_max=7.0, feed=1.0)) == 7.0
+    assert filtered_pid(0.0, 0.0, memory, gains, FilteredPid(1, 0, output_max=7.0, feed=1.0)) == 1.0
 
 
 @pytest.mark.parametrize(("hertz", "gain"), [(0.0, 1.0), (20.0, math.sqrt(0.5))])

@@ -18,7 +18,7 @@ class FirmwareRows:
     """One vehicle's rows of the swarm's arrays, as views."""
 
     state: Array
-    """quadcopter, (21,)."""
+    """state_row, (STATE_WIDTH,)."""
     memory: Array
     """columns, (MEMORY_WIDTH,)."""
     drift: Array

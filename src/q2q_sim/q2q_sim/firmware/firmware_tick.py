@@ -14,7 +14,8 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_sim.firmware.controllers.attitude_pid import cascade
+from q2q_sim.firmware.controllers.attitude_pid import DT, cascade
+from q2q_sim.firmware.controllers.choice import FirmwareController
 from q2q_sim.firmware.controllers.columns import CONTROLLER, SETPOINT_WIDTH, frame_row, fresh_memory
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
@@ -26,7 +27,7 @@ from q2q_sim.plant.swarm_air import Air, air_push
 
 STEPS = 5
 """Steps of 2 ms a tick."""
-MELLINGER = 2
+MELLINGER = float(FirmwareController.MELLINGER)
 """stabilizer.controller; any other value is the cascaded PID."""
 
 
@@ -69,7 +70,7 @@ def control_motors(row: Array, controllers: Controllers, i: int, k: int, forces:
         cascade((row, drift[i], setpoint), gains[i], memory[i], k == 0)
     drive_motors(setpoint, memory[i], frame[i], forces)
     for axis in range(3):
-        drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate drifts with its own velocity error
+        drift[i, axis] += drift[i, 3 + axis] * DT  # the estimate drifts with its own velocity error
 
 
 class PlantInputs(NamedTuple):

@@ -18,6 +18,7 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import cap, mix
+from q2q_sim.firmware.firmware_tick import STEPS
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.parameters.parameter_values import Parameters
@@ -31,7 +32,6 @@ SETPOINT = (
     "s_q0", "s_q1", "s_q2", "s_q3", "s_thrust", "s_body",
 )  # fmt: skip
 """In the order of columns.setpoint_row."""
-POSITION_STEPS = 5
 NO_DRIFT = np.zeros(6)
 
 
@@ -82,4 +82,4 @@ def _step(row: CheckRow, gains: Array, memory: Array) -> None:
     if int(row["controller"]) == FirmwareController.MELLINGER:
         mellinger(state, NO_DRIFT, setpoint, gains, memory)
     else:
-        cascade((state, NO_DRIFT, setpoint), gains, memory, int(row["step"]) % POSITION_STEPS == 0)
+        cascade((state, NO_DRIFT, setpoint), gains, memory, int(row["step"]) % STEPS == 0)

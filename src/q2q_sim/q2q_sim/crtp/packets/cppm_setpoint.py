@@ -12,17 +12,16 @@ The scales are the parameters of group cppm.
 
 import struct
 
-from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import MalformedError
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.motors.thrust_curve import PWM_TOP
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 
 _CHANNELS, _SWITCH = struct.Struct("<4H"), struct.Struct("<H")
 MOST_FURTHER = 10
 MIDDLE, REACH, LEAST, RANGE = 1500.0, 500.0, 1000.0, 1000.0
 """[us]"""
-PWM_TOP = float(PWM_FULL)
 
 
 def cppm_setpoint(data: bytes, parameters: Parameters) -> Setpoint:

@@ -13,9 +13,11 @@ from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Three
 from q2q_sim.firmware.controllers.columns import (
+    ABS,
     ATTITUDE_GAINS,
     ATTITUDE_SETPOINT,
     CONTROL,
+    DISABLE,
     LAST_MODES,
     MODE_PITCH,
     MODE_QUAT,
@@ -35,11 +37,13 @@ from q2q_sim.firmware.controllers.columns import (
     SET_RATE,
     SET_THRUST,
     THRUST_SETPOINT,
+    VELOCITY,
 )
 from q2q_sim.firmware.controllers.pid_step import PidColumns, pid, pid_reset, slope_of
 from q2q_sim.firmware.controllers.position_pid import position_pid
 from q2q_sim.firmware.controllers.state_attitude import DEG, legacy_degrees
 from q2q_sim.firmware.controllers.truncation import INT16_MAX, truncate
+from q2q_sim.plant.body.state_row import P, Q, R
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -80,11 +84,11 @@ def mode_changed(setpoint: Array, memory: Array) -> bool:
 def move_yaw(setpoint: Array, memory: Array) -> None:
     """Write the yaw setpoint: integrated, absolute, or of a quaternion."""
     yaw = memory[ATTITUDE_SETPOINT + 2]
-    if setpoint[MODE_YAW] == 2.0:
+    if setpoint[MODE_YAW] == VELOCITY:
         yaw += setpoint[SET_RATE + 2] * DT
-    elif setpoint[MODE_YAW] == 1.0:
+    elif setpoint[MODE_YAW] == ABS:
         yaw = setpoint[SET_ATTITUDE + 2]
-    elif setpoint[MODE_QUAT] == 1.0:
+    elif setpoint[MODE_QUAT] == ABS:
         q = SET_QUAT
         yaw = DEG * yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3])
     memory[ATTITUDE_SETPOINT + 2] = wrap_degrees(yaw)
@@ -100,19 +104,19 @@ def attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
         if k == 2:
             error, limit, rise = wrap_degrees(error), YAW_INTEGRAL, wrap_degrees(rise * DT) / DT
         memory[RATE_SETPOINT + k] = pid(
-            error, rise, memory, gains, PidColumns(at, ATTITUDE_GAINS + 3 * k, DT, limit, 0.0)
+            error, rise, memory, gains, PidColumns(at, ATTITUDE_GAINS + 3 * k, DT, limit)
         )
 
 
 @compiled
 def rate_loop(row: Array, memory: Array, gains: Array) -> None:
     """Write the control outputs [PWM]."""
-    rates = (DEG * row[10], -DEG * row[11], DEG * row[12])
+    rates = (DEG * row[P], -DEG * row[Q], DEG * row[R])
     for k in range(3):
         at = PIDS + PID_WIDTH * (PID_ROLL_RATE + k)
         limit = YAW_RATE_INTEGRAL if k == 2 else RATE_INTEGRAL
         rise = slope_of(memory, at, rates[k], DT)
-        columns = PidColumns(at, RATE_GAINS + 3 * k, DT, limit, 0.0)
+        columns = PidColumns(at, RATE_GAINS + 3 * k, DT, limit)
         memory[CONTROL + k] = truncate(
             pid(memory[RATE_SETPOINT + k] - rates[k], rise, memory, gains, columns), INT16_MAX
         )
@@ -129,17 +133,17 @@ def cascade(tick: tuple[Array, Array, Array], gains: Array, memory: Array, posit
     move_yaw(setpoint, memory)
     if position_due:
         position_pid(row, drift, setpoint, gains, memory)
-    if setpoint[MODE_Z] == 0.0:
+    if setpoint[MODE_Z] == DISABLE:
         memory[THRUST_SETPOINT] = setpoint[SET_THRUST]
-    if setpoint[MODE_X] == 0.0 or setpoint[MODE_Y] == 0.0:
+    if setpoint[MODE_X] == DISABLE or setpoint[MODE_Y] == DISABLE:
         memory[ATTITUDE_SETPOINT], memory[ATTITUDE_SETPOINT + 1] = (
             setpoint[SET_ATTITUDE],
             setpoint[SET_ATTITUDE + 1],
         )
     attitude_loop(attitude, memory, gains)
-    if setpoint[MODE_ROLL] == 2.0:
+    if setpoint[MODE_ROLL] == VELOCITY:
         memory[RATE_SETPOINT] = setpoint[SET_RATE]
-    if setpoint[MODE_PITCH] == 2.0:
+    if setpoint[MODE_PITCH] == VELOCITY:
         memory[RATE_SETPOINT + 1] = setpoint[SET_RATE + 1]
     rate_loop(row, memory, gains)
     memory[CONTROL + 3] = memory[THRUST_SETPOINT]

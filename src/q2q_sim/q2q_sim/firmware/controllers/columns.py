@@ -14,11 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.firmware.commander.setpoint import Setpoint
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.motors.airframe import Airframe
 from q2q_sim.firmware.motors.battery import VOLT_FULL
 from q2q_sim.firmware.parameters.parameter_table import GAINS
 
+DISABLE, ABS, VELOCITY = (float(mode) for mode in (Mode.DISABLE, Mode.ABS, Mode.VELOCITY))
+"""Modes in the row of a setpoint."""
 MODE_X, MODE_Y, MODE_Z, MODE_ROLL, MODE_PITCH, MODE_YAW, MODE_QUAT = range(7)
 SET_POS, SET_VEL, SET_ACC, SET_ATTITUDE, SET_RATE, SET_QUAT = 7, 10, 13, 16, 19, 22
 SET_THRUST, SET_BODY = 26, 27

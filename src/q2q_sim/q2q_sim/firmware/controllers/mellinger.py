@@ -27,8 +27,11 @@ from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Three
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.firmware.controllers.attitude_pid import DT
 from q2q_sim.firmware.controllers.columns import (
+    ABS,
     CONTROL,
+    DISABLE,
     I_MOMENT,
     I_POS,
     I_RANGE_M_XY,
@@ -65,13 +68,13 @@ from q2q_sim.firmware.controllers.columns import (
     SET_RATE,
     SET_THRUST,
     SET_VEL,
+    VELOCITY,
     Z_AXIS_SETPOINT,
 )
 from q2q_sim.firmware.controllers.state_attitude import Nine, axes, legacy_degrees
 from q2q_sim.firmware.controllers.truncation import truncate
+from q2q_sim.plant.body.state_row import VX, VY, VZ, P, Q, R, X, Y, Z
 
-DT = 1.0 / 500.0
-"""ATTITUDE_RATE of the firmware [s]."""
 MOMENT_MAX = 32000.0
 """Largest moment [PWM]."""
 RAD = math.pi / 180.0
@@ -86,25 +89,25 @@ def clamp(value: float, limit: float) -> float:
 @compiled
 def force_of(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> Three:
     """Return F [N], world, and update the integrals."""
-    ex = setpoint[SET_POS] - row[0] - drift[0]
-    ey = setpoint[SET_POS + 1] - row[1] - drift[1]
-    ez = setpoint[SET_POS + 2] - row[2] - drift[2]
+    ex = setpoint[SET_POS] - row[X] - drift[0]
+    ey = setpoint[SET_POS + 1] - row[Y] - drift[1]
+    ez = setpoint[SET_POS + 2] - row[Z] - drift[2]
     memory[I_POS] = clamp(memory[I_POS] + ex * DT, gains[I_RANGE_XY])
     memory[I_POS + 1] = clamp(memory[I_POS + 1] + ey * DT, gains[I_RANGE_XY])
     memory[I_POS + 2] = clamp(memory[I_POS + 2] + ez * DT, gains[I_RANGE_Z])
     fz = (
         gains[KP_Z] * ez
-        + gains[KD_Z] * (setpoint[SET_VEL + 2] - row[5] - drift[5])
+        + gains[KD_Z] * (setpoint[SET_VEL + 2] - row[VZ] - drift[5])
         + gains[KI_Z] * memory[I_POS + 2]
     )
-    if setpoint[MODE_X] != 1.0:
+    if setpoint[MODE_X] != ABS:
         return 0.0, 0.0, gains[MASS] * GRAVITY + fz
     fx = (
         gains[KP_XY] * ex
-        + gains[KD_XY] * (setpoint[SET_VEL] - row[3] - drift[3])
+        + gains[KD_XY] * (setpoint[SET_VEL] - row[VX] - drift[3])
         + gains[KI_XY] * memory[I_POS]
     )
-    fy = gains[KP_XY] * ey + gains[KD_XY] * (setpoint[SET_VEL + 1] - row[4] - drift[4])
+    fy = gains[KP_XY] * ey + gains[KD_XY] * (setpoint[SET_VEL + 1] - row[VY] - drift[4])
     fy += gains[KI_XY] * memory[I_POS + 1]
     mass = gains[MASS]
     return (
@@ -117,11 +120,11 @@ def force_of(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Ar
 @compiled
 def yaw_setpoint(row: Array, setpoint: Array) -> float:
     """Return psi [rad]."""
-    if setpoint[MODE_YAW] == 2.0:
+    if setpoint[MODE_YAW] == VELOCITY:
         return float(legacy_degrees(row)[2] * RAD + setpoint[SET_RATE + 2] * RAD * DT)
-    if setpoint[MODE_YAW] == 1.0:
+    if setpoint[MODE_YAW] == ABS:
         return float(setpoint[SET_ATTITUDE + 2] * RAD)
-    if setpoint[MODE_QUAT] == 1.0:
+    if setpoint[MODE_QUAT] == ABS:
         q = SET_QUAT
         return float(yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3]))
     return 0.0
@@ -172,7 +175,7 @@ def moments(row: Array, setpoint: Array, gains: Array, memory: Array, frame: Nin
         -setpoint[SET_RATE + 1] * RAD,
         setpoint[SET_RATE + 2] * RAD,
     )
-    roll_rate, up_rate, yaw_rate = row[10], -row[11], row[12]
+    roll_rate, up_rate, yaw_rate = row[P], -row[Q], row[R]
     jerk_x = ((set_roll - memory[LAST_SET_RATE]) - (roll_rate - memory[LAST_RATE])) / DT
     jerk_y = ((set_up - memory[LAST_SET_RATE + 1]) - (up_rate - memory[LAST_RATE + 1])) / DT
     memory[LAST_RATE], memory[LAST_RATE + 1] = roll_rate, up_rate
@@ -193,18 +196,18 @@ def mellinger(row: Array, drift: Array, setpoint: Array, gains: Array, memory: A
     yaw = yaw_setpoint(row, setpoint)
     length = max(math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2), 1e-9)
     along = (force[0] / length, force[1] / length, force[2] / length)
-    attitude_only = setpoint[MODE_X] != 1.0 and setpoint[MODE_ROLL] == 1.0 and setpoint[MODE_PITCH] == 1.0
-    if attitude_only and setpoint[MODE_Z] == 0.0:
+    attitude_only = setpoint[MODE_X] != ABS and setpoint[MODE_ROLL] == ABS and setpoint[MODE_PITCH] == ABS
+    if attitude_only and setpoint[MODE_Z] == DISABLE:
         a = SET_ATTITUDE
         frame = frame_of_angles(setpoint[a] * RAD, -setpoint[a + 1] * RAD, yaw)
-    elif setpoint[MODE_X] != 1.0:
+    elif setpoint[MODE_X] != ABS:
         frame = frame_along(along, legacy_degrees(row)[2] * RAD)
     else:
         frame = frame_along(along, yaw)
     mx, my, mz = moments(row, setpoint, gains, memory, frame)
     body = axes(row)
     thrust = gains[MASS_THRUST] * (force[0] * body[6] + force[1] * body[7] + force[2] * body[8])
-    if setpoint[MODE_Z] == 0.0:
+    if setpoint[MODE_Z] == DISABLE:
         thrust = setpoint[SET_THRUST]
     memory[Z_AXIS_SETPOINT], memory[Z_AXIS_SETPOINT + 1], memory[Z_AXIS_SETPOINT + 2] = (
         frame[6],

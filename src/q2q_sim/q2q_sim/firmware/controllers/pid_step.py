@@ -2,10 +2,10 @@
 
 Source: firmware: utils/src/pid.c, utils/src/filter.c (lpf2p, second order Butterworth).
 
-    e = setpoint - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit,  |u| <= u_max
+    e = setpoint - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit
 
 The derivative acts on the measurement, which avoids setpoint kick, and is filtered as in the firmware: for
-position and velocity (20 Hz), not for attitude and rates. A u_max of 0 means no limit.
+position and velocity (20 Hz), not for attitude and rates.
 """
 
 import math
@@ -24,7 +24,7 @@ _A1, _A2 = 2.0 * (_OHM * _OHM - 1.0) / _C, (1.0 - math.sqrt(2.0) * _OHM + _OHM *
 
 
 class PidColumns(NamedTuple):
-    """Where a PID stands in memory and gains, and its limits."""
+    """Where a PID stands in memory and gains, its step and limit."""
 
     memory: int
     """First column in memory."""
@@ -33,8 +33,6 @@ class PidColumns(NamedTuple):
     dt: float
     """[s]"""
     integral_max: float
-    output_max: float
-    """u_max; 0: no limit."""
 
 
 @compiled
@@ -57,10 +55,9 @@ def filtered(memory: Array, at: int, sample: float) -> float:
 @compiled
 def pid(error: float, slope: float, memory: Array, gains: Array, columns: PidColumns) -> float:
     """Return the output of one step."""
-    at, gain, top = columns.memory, columns.gains, columns.output_max
+    at, gain = columns.memory, columns.gains
     memory[at] = min(max(memory[at] + error * columns.dt, -columns.integral_max), columns.integral_max)
-    out = gains[gain] * error + gains[gain + 1] * memory[at] + gains[gain + 2] * slope
-    return float(min(max(out, -top), top) if top > 0.0 else out)
+    return float(gains[gain] * error + gains[gain + 1] * memory[at] + gains[gain + 2] * slope)
 
 
 @compiled

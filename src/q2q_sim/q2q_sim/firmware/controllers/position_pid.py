@@ -16,8 +16,8 @@ from typing import NamedTuple
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Three
-from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.firmware.controllers.columns import (
+    ABS,
     ATTITUDE_SETPOINT,
     MODE_X,
     MODE_Y,
@@ -42,6 +42,8 @@ from q2q_sim.firmware.controllers.columns import (
     VEL_TARGET,
 )
 from q2q_sim.firmware.controllers.pid_step import INTEGRAL_LIMIT, PidColumns, filtered, pid, slope_of
+from q2q_sim.firmware.motors.thrust_curve import PWM_TOP
+from q2q_sim.plant.body.state_row import QW, QX, QY, QZ, VX, VY, VZ, X, Y, Z
 
 DT = 1.0 / 100.0
 """POSITION_RATE of the firmware [s]."""
@@ -50,7 +52,6 @@ OVERHEAD = 1.1
 THRUST_SCALE = 1000.0
 LIFT_MAX = 32.767
 """Half of UINT16_MAX, truncated, over the thrust scale."""
-PWM_TOP = float(PWM_FULL)
 
 
 class FilteredPid(NamedTuple):
@@ -70,7 +71,7 @@ def axis(error: float, measured: float, memory: Array, gains: Array, one: Filter
     """Run one filtered PID."""
     at, top = PIDS + PID_WIDTH * one.number, one.output_max
     rise = filtered(memory, at, slope_of(memory, at, measured, DT))
-    out = pid(error, rise, memory, gains, PidColumns(at, one.gains, DT, INTEGRAL_LIMIT, 0.0)) + one.feed
+    out = pid(error, rise, memory, gains, PidColumns(at, one.gains, DT, INTEGRAL_LIMIT)) + one.feed
     return float(min(max(out, -top), top) if top > 0.0 else out)
 
 
@@ -85,11 +86,11 @@ def velocity_setpoint(
     vx, vy, vz = setpoint[v], setpoint[v + 1], setpoint[v + 2]
     if setpoint[SET_BODY] == 0.0:
         vx, vy = setpoint[v] * c + setpoint[v + 1] * s, setpoint[v + 1] * c - setpoint[v] * s
-    if setpoint[MODE_X] == 1.0:
+    if setpoint[MODE_X] == ABS:
         memory[POS_TARGET] = setpoint[p] * c + setpoint[p + 1] * s
         error = memory[POS_TARGET] - ahead
         vx = axis(error, ahead, memory, gains, FilteredPid(PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX], 0.0))
-    if setpoint[MODE_Y] == 1.0:
+    if setpoint[MODE_Y] == ABS:
         memory[POS_TARGET + 1] = setpoint[p + 1] * c - setpoint[p] * s
         error = memory[POS_TARGET + 1] - left
         vy = axis(
@@ -99,7 +100,7 @@ def velocity_setpoint(
             gains,
             FilteredPid(PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1], 0.0),
         )
-    if setpoint[MODE_Z] == 1.0:
+    if setpoint[MODE_Z] == ABS:
         memory[POS_TARGET + 2] = setpoint[p + 2]
         error, top = setpoint[p + 2] - where[2], OVERHEAD * max(gains[VEL_MAX + 2], 0.5)
         vz = axis(error, where[2], memory, gains, FilteredPid(PID_X + 2, POS_GAINS + 6, top, 0.0))
@@ -109,10 +110,10 @@ def velocity_setpoint(
 @compiled
 def position_pid(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> None:
     """Write the setpoints of attitude and thrust."""
-    yaw = yaw_of(row[6], row[7], row[8], row[9])
+    yaw = yaw_of(row[QX], row[QY], row[QZ], row[QW])
     c, s = math.cos(yaw), math.sin(yaw)
-    where = (row[0] + drift[0], row[1] + drift[1], row[2] + drift[2])
-    vel_x, vel_y, vel_z = row[3] + drift[3], row[4] + drift[4], row[5] + drift[5]
+    where = (row[X] + drift[0], row[Y] + drift[1], row[Z] + drift[2])
+    vel_x, vel_y, vel_z = row[VX] + drift[3], row[VY] + drift[4], row[VZ] + drift[5]
     ahead, left = vel_x * c + vel_y * s, vel_y * c - vel_x * s
     vx, vy, vz = velocity_setpoint(where, setpoint, gains, memory, (c, s))
     memory[VEL_TARGET], memory[VEL_TARGET + 1], memory[VEL_TARGET + 2] = vx, vy, vz

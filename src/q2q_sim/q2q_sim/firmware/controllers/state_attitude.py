@@ -5,6 +5,8 @@ import math
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Three
+from q2q_sim.plant.body.quadcopter import tilt
+from q2q_sim.plant.body.state_row import QW, QX, QY, QZ
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 
@@ -13,8 +15,8 @@ DEG = 180.0 / math.pi
 
 @compiled
 def axes(row: Array) -> Nine:
-    """Return body x, y, z in the world of a state row (quadcopter.QUAT): the columns of R."""
-    x, y, z, w = row[6], row[7], row[8], row[9]
+    """Return body x, y, z in the world of a state row: the columns of R."""
+    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
     return (
         1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
         2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x),
@@ -25,7 +27,6 @@ def axes(row: Array) -> Nine:
 @compiled
 def legacy_degrees(row: Array) -> Three:
     """Return roll, legacy pitch (nose up), yaw [deg] of a state row."""
-    x, y, z, w = row[6], row[7], row[8], row[9]
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
+    roll, pitch, _ = tilt((x, y, z, w))
     return DEG * roll, -DEG * pitch, DEG * yaw_of(x, y, z, w)
