@@ -1,7 +1,7 @@
 """Launch files start nodes that exist, with parameters they declare; where launch is, the files load."""
 
 import importlib.util
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from q2q_sim.launching.launch_arguments import (
     CRAZYSWARM_ARGUMENTS,
     ROOM_ARGUMENTS,
     SCENARIO_ARGUMENTS,
-    defaults,
+    Argument,
     undeclared,
 )
 from q2q_sim.launching.launched_nodes import (
@@ -32,6 +32,11 @@ from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.scenarios import library
 
 FILES = sorted((ROOT / "src").glob("*/launch/*.launch.py"))
+
+
+def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
+    """Return every argument at its default."""
+    return {one.name: one.default for one in arguments}
 
 
 @pytest.fixture(scope="module")

@@ -192,9 +192,8 @@ def _add_output(made: CommandLine) -> None:
 
 def _either(made: argparse.ArgumentParser, yes: str, no: str, text: str, *, default: bool | None) -> None:
     group = made.add_mutually_exclusive_group()
-    name = yes.replace("-", "_")
-    group.add_argument(f"--{yes}", dest=name, action="store_true", default=default, help=text)
-    group.add_argument(f"--{no}", dest=name, action="store_false", help=f"not --{yes}")
+    group.add_argument(f"--{yes}", action="store_true", default=default, help=text)
+    group.add_argument(f"--{no}", dest=yes, action="store_false", help=f"not --{yes}")
 
 
 if __name__ == "__main__":

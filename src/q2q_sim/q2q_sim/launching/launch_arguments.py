@@ -1,6 +1,6 @@
 """Arguments of the launch files: strings, as from `ros2 launch`."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from q2q_control.pid.gains_file import TUNED
@@ -97,8 +97,3 @@ def undeclared(given: Collection[str], declared: Collection[str]) -> str:
         f"ignored: {', '.join(f'{name}:=' for name in others)}; arguments are {', '.join(sorted(declared))}"
     )
     return words if others else ""
-
-
-def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
-    """Return every argument at its default."""
-    return {one.name: one.default for one in arguments}

@@ -19,7 +19,6 @@ END_TIMEOUT_S = 60.0
 """Time from the first SIGINT to SIGKILL [s]: a recorder of a busy machine writes what it still has."""
 AGAIN_S = 10.0
 """Time after which SIGINT is sent again [s]: a node that is just being forked ignores it."""
-KILLED = -signal.SIGKILL
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +76,12 @@ class Processes:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End every node."""
-        self.end()
+        """Send SIGINT to every node, wait, and kill those that remain."""
+        for process in self._running.values():
+            _interrupt(process)
+        for process in self._running.values():
+            _wait(process)
+        self._running.clear()
 
     def start(self, spec: NodeSpec) -> None:
         """Start a node with its parameters; its output goes to `<label>.log`."""
@@ -130,14 +133,6 @@ class Processes:
                 output = self._last_output(name)
                 raise NodeDiedError(f"{name} ended with status {process.exitcode}: {output}")
 
-    def end(self) -> dict[str, int]:
-        """Send SIGINT to every node, wait, kill those that remain; return the exit statuses."""
-        for process in self._running.values():
-            _interrupt(process)
-        statuses = {name: _wait(process) for name, process in self._running.items()}
-        self._running.clear()
-        return statuses
-
     def _log(self, name: str) -> Path:
         return self._folder / f"{name}.log"
 
@@ -178,7 +173,7 @@ def _interrupt(process: BaseProcess) -> None:
             os.kill(process.pid, signal.SIGINT)
 
 
-def _wait(process: BaseProcess) -> int:
+def _wait(process: BaseProcess) -> None:
     deadline = monotonic() + END_TIMEOUT_S
     while process.exitcode is None and monotonic() < deadline:
         process.join(AGAIN_S)
@@ -186,4 +181,3 @@ def _wait(process: BaseProcess) -> int:
     if process.exitcode is None:
         process.kill()
         process.join()
-    return KILLED if process.exitcode is None else process.exitcode

@@ -120,12 +120,6 @@ class SceneBuilder:
         self._air: dict[str, AirTrail] = {}
         self._trails: dict[tuple[str, str], Trail] = {}
 
-    def reset(self) -> None:
-        """Clear trails and plan."""
-        self._plans.clear()
-        self._air.clear()
-        self._trails.clear()
-
     def take_plan(self, plan: SwarmPlan) -> None:
         """Set the plan to draw, in place of the one before."""
         self._plans.clear()

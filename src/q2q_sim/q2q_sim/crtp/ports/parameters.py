@@ -12,11 +12,10 @@ Source: firmware: modules/src/param_task.c, param_logic.c.
 A short or NaN value is refused without an answer, as is a write of a read-only parameter.
 """
 
-import math
 import struct
 
 from q2q_sim.crtp.packets.fields import read_fields
-from q2q_sim.crtp.packets.packet import MalformedError, Packet
+from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.crtp.tables.number_types import TYPES, NumberType
 from q2q_sim.crtp.tables.param_toc import PARAM_TOC
 from q2q_sim.firmware.firmware import Firmware
@@ -43,8 +42,6 @@ def packed_value(firmware: Firmware, one: Definition) -> bytes:
 def value_in(kind: NumberType, data: bytes) -> FirmwareValue:
     """Return the value at the front of `data`; raise MalformedError if it is short or not finite."""
     value = read_fields(kind.layout, data)[0]
-    if not math.isfinite(value):
-        raise MalformedError(f"value {value}: must be finite")
     return int(value) if kind.integer else value
 
 

@@ -28,8 +28,6 @@ DPI = 160
 
 def run(given: Namespace) -> int:
     """Fly what is missing, write page and plot; return the exit status."""
-    if not 1 <= given.draws <= 5 or given.jobs < 1:
-        raise ValueError(f"draws = {given.draws}, jobs = {given.jobs}: 1 to 5 draws, 1 job or more")
     wanted = [(case, name) for case in CASES for name in NAMES if _is_wanted(given, case, name)]
     numbers = read_numbers(given.json, given.draws) if given.table_only else _filled(wanted, given)
     if not numbers.flights:

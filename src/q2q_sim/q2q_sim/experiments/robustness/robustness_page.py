@@ -20,8 +20,6 @@ last 2 s, 2 s or more after the last passage [mm], and that of ignoring: there, 
 would show. *Floor*: no vehicle is left under another, as thrust does not carry them; in bold if it does
 where the downwash is ignored."""
 
-ErrorTable = Mapping[PerturbedFlight, Errors]
-
 
 def flight_key(asked: PerturbedFlight) -> str:
     """Return the name of a flight."""

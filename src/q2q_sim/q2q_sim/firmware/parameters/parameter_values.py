@@ -1,12 +1,10 @@
 """Parameter values of one vehicle, set by clients and read by the firmware."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.motors.airframe import Airframe
-from q2q_sim.firmware.parameters.parameter_table import GAINS, IDLE_PWM, TABLE, Definition, FirmwareValue
+from q2q_sim.firmware.parameters.parameter_table import GAINS, IDLE_PWM, TABLE, FirmwareValue
 
 STIFF = ("kp_xy", "kd_xy", "ki_xy", "kp_z", "kd_z", "ki_z")
 """Mellinger gains in N/m, N s/m, N/(m s)."""
@@ -31,10 +29,6 @@ class Parameters:
         self._defaults = defaults_of(airframe, auto_arming=auto_arming)
         self._values = dict(self._defaults)
         self.changes = 0
-
-    def __iter__(self) -> Iterator[Definition]:
-        """Iterate over the names."""
-        return iter(TABLE)
 
     def __getitem__(self, name: str) -> FirmwareValue:
         """Return the value of `group.name`."""

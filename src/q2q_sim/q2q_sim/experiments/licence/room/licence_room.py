@@ -99,7 +99,6 @@ class LicenceRoom:
         self.trial = trial
         self.commands: list[ClientCommand] = []
         self.opened: list[int] = []
-        self.links: list[OpenLink] = []
         self._room = Room(_with_faults(scenario, trial), params.seed)
         self._names = names
         self._rotors = FaultInjection(trial.rotor_faults(names), names, TICK_NS, params.seed)
