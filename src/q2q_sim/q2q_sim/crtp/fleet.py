@@ -1,7 +1,7 @@
 """Fleet of vehicles that fly by their own firmware and communicate by CRTP.
 
     vehicles[i].handle(datagram, client) -> answers          at any time between ticks
-    fly(swarm, drive)                                         one tick of 10 ms
+    fly(drive)                                                one tick of 10 ms
     outgoing() -> (vehicle, client, datagram)                 datagrams due to clients after it
 
 Vehicles that start in the air are held there until their first thrust, as by a hand.

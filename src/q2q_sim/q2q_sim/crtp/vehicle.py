@@ -37,7 +37,7 @@ MISC = 3
 RADIO, POWER_UP, RESET = 0xFE, 0x03, 0xF0
 """cflib: utils/power_switch.py."""
 LOCAL = "local"
-"""Client of tests without a network."""
+"""Client in the same process, without a network."""
 
 
 @dataclass(slots=True)

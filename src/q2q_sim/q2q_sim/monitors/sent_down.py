@@ -21,7 +21,7 @@ from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.floor import touches_floor
 
 BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
-"""Commands without feedback."""
+"""Commands without feedback beyond HOLD, which is short and follows a measurement."""
 
 
 def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Finding]:

@@ -32,7 +32,7 @@ class Episodes:
     """Active episodes of each row."""
 
     def __init__(self, frequency: Frequency, rows: int, tick: float, rng: np.random.Generator) -> None:
-        """Start without active episodes; `tick` is the sample time [s], `random` its own stream."""
+        """Start without active episodes; `tick` is the sample time [s], `rng` its own stream."""
         chance = -math.expm1(-frequency.rate * tick)
         self._numbers = chance, frequency.shortest, frequency.longest - frequency.shortest, tick
         self._rng = rng

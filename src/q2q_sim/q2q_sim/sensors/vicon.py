@@ -4,7 +4,7 @@ Effects on a frame, applied in this order, each from its own random stream:
 
 | effect | what the frame shows | injected flag |
 |---|---|---|
-| noise | position off by 0.15 mm rms, attitude by a few mrad | - |
+| noise | position and attitude off by normal errors | - |
 | flip | body turned half a turn about x, y or z: reflections | FLIP |
 | swap | poses of the vehicle and its nearest neighbour exchanged | SWAP |
 | outlier | position off by a step in a random direction, one frame | OUTLIER |

@@ -3,9 +3,9 @@
     a_0 = median over clear air of (R f)_z - T_c b_z / m      T_c: commanded thrust after the thrust lag
 
 for each vehicle of each flight, with the vehicle's nominal mass m. A mean offset beyond HEAVIEST is that of
-another vehicle: its term is not learned. The motor curve is a median over flights; headroom is at the highest
-voltage flown, its loss by volt the slope from there to the lowest. The thrust lag is the vehicle's, the
-attitude loop LOOP.
+another vehicle: its term is not learned. The motor curve is a median over flights; headroom is the median of
+the flights', each at the voltage of its start, and its loss by volt the slope of the median curve between the
+highest and the lowest of these voltages. The thrust lag is the vehicle's, the attitude loop LOOP.
 """
 
 from collections.abc import Sequence
@@ -101,7 +101,7 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
     full, empty = max(start), min(start)
 
     def estimate(weight: Array) -> Array:
-        drawn = [curves[int(k)] for k in _drawn(np.arange(float(len(curves))), weight)]
+        drawn = [one for one, times in zip(curves, weight, strict=True) for _ in range(int(times))]
         power = usual_power(drawn)
         each = np.array([[one.headroom(volts, power) for one in drawn] for volts in (full, empty)])
         at_full, at_empty = np.median(each, axis=1)
@@ -119,8 +119,3 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
         fitted_value(found, k, path, len(curves), source)
         for k, path in enumerate((*HEADROOM, BETWEEN, MOTORS))
     ]
-
-
-def _drawn(values: Array, weight: Array) -> Array:
-    """Return each value as often as its weight says."""
-    return np.repeat(values, weight.astype(np.intp))

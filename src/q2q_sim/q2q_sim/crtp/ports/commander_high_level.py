@@ -1,8 +1,8 @@
 """Port 8: take-off, landing, go-to, spirals and uploaded trajectories.
 
 Source: firmware: modules/src/crtp_commander_high_level.c. The answer is the request's first three bytes and
-the result (firmware.commander.planner.Answer). Commands carry a group mask: 0 is everyone, else the vehicle
-obeys if hlCommander.groupmask shares a bit. Yaw is in radians here, heights are in the world frame.
+the result (firmware.commander.planner.PlannerResult). Commands carry a group mask: 0 is everyone, else the
+vehicle obeys if hlCommander.groupmask shares a bit. Yaw is in radians here, heights are in the world frame.
 
 | command | fields after it |
 |---|---|

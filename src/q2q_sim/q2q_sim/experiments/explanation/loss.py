@@ -3,7 +3,8 @@
     distance: d(t) = min(|r_set - r|, LOST)
     height:   d(t) = min(max(z_set - z, 0), LOST)
 
-A vehicle that is LOST away has left its path (policy `room`): how far it goes then says nothing more.
+A vehicle that is LOST away has left its path (policy `setpoint_error`): how far it goes then says nothing
+more.
 """
 
 from dataclasses import dataclass

@@ -27,7 +27,7 @@ from q2q_sim.scenarios.scenario import Scenario
 
 SCENARIO = "table6"
 VEHICLES = {"q1": "cf1", "q2": "cf2"}
-"""The paper's names of the modes and ours."""
+"""The paper's names of the vehicles and ours."""
 DRAWS = 8
 """Draws of the learned air."""
 

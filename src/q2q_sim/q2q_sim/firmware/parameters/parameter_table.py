@@ -2,8 +2,8 @@
 
 The order is that of the table of contents. "persistent" ones can be stored in the vehicle's EEPROM.
 Sources: F = firmware. Stock values of ctrlMel.mass, massThrust and the Mellinger gains in N/m are replaced by
-those of the airframe (parameters.defaults_of), those of decks by the build (firmware.Build.decks). Some are
-kept because clients set or read them, without effect: stabilizer.estimator (no other estimator here),
+those of the airframe (parameter_values.defaults_of), those of decks by the build (firmware_build.Build). Some
+are kept because clients set or read them, without effect: stabilizer.estimator (no other estimator here),
 commander.enHighLevel (nothing in F either, since 2021), flightmode.yawMode (X only), kalman.initialYaw and
 the noises of an attitude that is known here, the lighthouse, lights, sounds, tests of motors, battery and
 memory, the memory card, and what dumps or resets the processor (system).
