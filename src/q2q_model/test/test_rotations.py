@@ -101,6 +101,17 @@ def test_a_zero_quaternion_is_no_attitude():
     assert np.isnan(rot.normalised(np.zeros(4))).all()
 
 
+def test_continuous_quaternions_turn_alike_and_do_not_jump() -> None:
+    turn = np.linspace(0.0, 4.0 * np.pi, 50)
+    quat = rot.quat_from_euler(0.0 * turn, 0.0 * turn, turn)
+    quat[7::3] *= -1.0
+    found = rot.continuous_quats(quat)
+    assert (found[0] == quat[0]).all()
+    assert np.abs(np.diff(found, axis=0)).max() < 0.13  # half the turn from row to row
+    np.testing.assert_array_equal(np.abs(found), np.abs(quat))
+    assert rot.continuous_quats(np.empty((0, 4))).shape == (0, 4)
+
+
 def test_a_tiny_turn_has_no_division_by_zero():
     assert np.allclose(rot.quat_from_vector(np.zeros(3)), [0, 0, 0, 1])
     tiny = np.array([1e-12, 0, 0])

@@ -145,6 +145,12 @@ def normalised(quat: Array) -> Array:
     return np.asarray(quat / np.where(length > 0.0, length, np.nan))
 
 
+def continuous_quats(quat: Array) -> Array:
+    """Return quaternions (T, 4) with signs that do not jump from row to row, to be interpolated."""
+    flips = np.where((quat[1:] * quat[:-1]).sum(axis=-1) < 0.0, -1.0, 1.0)
+    return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
+
+
 def quat_from_vector(vector: Array) -> Array:
     """Return exp of a rotation vector [rad], (..., 3) -> (..., 4)."""
     angle = np.sqrt(np.sum(vector * vector, axis=-1, keepdims=True))

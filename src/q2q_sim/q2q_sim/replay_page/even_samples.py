@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
-from q2q_model.geometry.rotations import normalised
+from q2q_model.geometry.rotations import continuous_quats, normalised
 from q2q_model.signals.values import Array
 
 MOST_SAMPLES = 1_000_000
@@ -39,18 +39,12 @@ def even_samples(t: Array, values: Array, at: Array) -> Array:
 
 def even_quats(t: Array, quat: Array, at: Array) -> Array:
     """Return quaternions (T, n, 4), interpolated the short way, w >= 0; NaN as of `even_samples`."""
-    alike = np.stack([_alike(quat[:, vehicle]) for vehicle in range(quat.shape[1])], axis=1)
+    alike = quat.copy()
+    for vehicle in range(quat.shape[1]):
+        known = np.isfinite(quat[:, vehicle]).all(axis=1)
+        alike[known, vehicle] = continuous_quats(quat[known, vehicle])
     samples = normalised(even_samples(t, alike, at))
     return np.where(samples[..., 3:] < 0.0, -samples, samples)
-
-
-def _alike(quat: Array) -> Array:
-    """Return quaternions (T, 4) with the signs that make recorded neighbours alike."""
-    alike, known = quat.copy(), np.isfinite(quat).all(axis=1)
-    seen = quat[known]
-    flips = np.where((seen[1:] * seen[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
-    alike[known] = seen * np.cumprod(np.concatenate([np.ones(min(len(seen), 1)), flips]))[:, None]
-    return alike
 
 
 def _period(at: Array) -> float:

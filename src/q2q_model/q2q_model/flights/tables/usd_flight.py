@@ -15,7 +15,7 @@ from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, map_columns
 from q2q_model.flights.tables.flight_table import POS, QUAT
 from q2q_model.flights.tables.usd_log import UsdLog
 from q2q_model.geometry.quaternion32 import decompress_quat
-from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.geometry.rotations import continuous_quats, quat_from_euler
 from q2q_model.signals.values import Array
 
 STEP_S = 0.01
@@ -101,7 +101,7 @@ def clock_note(logs: Mapping[str, UsdLog]) -> str:
 def _columns(variables: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
     found = map_columns(variables, chosen)
     if not all(one in found for one in QUAT) and (quat := _quat(variables)) is not None:
-        found |= dict(zip(QUAT, _continuous(quat).T, strict=True))
+        found |= dict(zip(QUAT, continuous_quats(quat).T, strict=True))
     return found
 
 
@@ -113,12 +113,6 @@ def _quat(variables: Mapping[str, Array]) -> Array | None:
         roll, pitch, yaw = (np.deg2rad(variables[one]) for one in ATTITUDE)
         return quat_from_euler(roll, -pitch, yaw)
     return None
-
-
-def _continuous(quat: Array) -> Array:
-    """Return quaternions whose sign does not jump from row to row, so that they can be interpolated."""
-    flips = np.where((quat[1:] * quat[:-1]).sum(axis=-1) < 0.0, -1.0, 1.0)
-    return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
 
 def _period(clock: Array) -> float:

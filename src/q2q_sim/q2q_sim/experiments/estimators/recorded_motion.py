@@ -22,6 +22,7 @@ from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.geometry.rotations import (
     UP,
     ang_vel_between,
+    continuous_quats,
     normalised,
     quat_from_vector,
     quat_multiply,
@@ -145,12 +146,6 @@ def _body_motion(recording: Recording, poses: _DensePoses, flying: Mask) -> Reco
         ang_vel_body=ang_vel_between(before, body, DT),
         own_pos=_own(recording, poses.at),
     )
-
-
-def continuous_quats(quat: Array) -> Array:
-    """Return quaternions (T, 4) with the signs that make neighbours alike."""
-    flips = np.where((quat[1:] * quat[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
-    return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
 
 def in_flight(height: Array) -> Mask:
