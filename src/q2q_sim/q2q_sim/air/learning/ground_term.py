@@ -24,8 +24,6 @@ NEAR = 0.15
 """Height below which a row shows the ground effect [m]: six rotor radii."""
 FEWEST = 200
 """Fewest such rows: 2 s at 100 Hz."""
-FLYING = 0.7
-"""Thrust over hover thrust above which a vehicle flies [-]."""
 ONE_ROTOR = 1.0 / 16.0
 """b of one rotor: Cheeseman and Bennett, 1955."""
 
@@ -62,7 +60,7 @@ def _away(record: AirRecord) -> Mask:
 
 
 def _flying(record: AirRecord) -> Mask:
-    return np.asarray(record.measured & (record.thrust_ratio > FLYING) & rows_alone(record.motion.pos, APART))
+    return np.asarray(record.measured & record.flying & rows_alone(record.motion.pos, APART))
 
 
 def _ratio(record: AirRecord, i: int) -> Array:

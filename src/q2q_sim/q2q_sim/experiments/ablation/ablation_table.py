@@ -107,7 +107,7 @@ def _overview(numbers: Numbers, name: str) -> str:
     if all(cell == "-" for row in rows for cell in row[1:]):
         return ""
     paths = PATHS[name]
-    draws = paths.draws or 5 * numbers.draws
+    draws = numbers.draws_of(Case(name))
     kind = "one model, of all flights" if paths.draws else "five models"
     if len(paths.scenarios) > 1:
         kind = f"{kind}, of each of {len(paths.scenarios)} flights"

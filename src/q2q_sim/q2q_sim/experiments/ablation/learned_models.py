@@ -9,7 +9,6 @@ flights of the family. The residual of a model is that on all of them. Models do
 vehicle in it absorbs.
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, zip_longest
@@ -27,7 +26,7 @@ from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual_fit import fit_residual
 from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
-from q2q_sim.air.air_names import FLIGHTS
+from q2q_sim.air.air_names import FLIGHTS, flights_folder
 from q2q_sim.experiments.ablation.ablation_cases import LAW
 
 LEAST = 600
@@ -111,7 +110,7 @@ def _between(one: PushSamples, start: float, end: float) -> PushSamples:
 
 def _tables(family: str) -> list[Path]:
     """Return the tables of a family's flights of two and three vehicles."""
-    folder = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / FLIGHTS
+    folder = flights_folder()
     found = sorted(folder.glob(f"{family}_*_ss*.parquet"))
     if not found:
         raise ValueError(

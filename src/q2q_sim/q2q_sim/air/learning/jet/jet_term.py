@@ -43,7 +43,7 @@ from q2q_sim.air.learning.jet.upper_share import upper_share
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import BlockOfRows, Spread, block_sums, estimate_spread
-from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, at_bound, fitted_value
 
 FEWEST = 300
 """Fewest exposed rows for a jet: 3 s at 100 Hz."""
@@ -86,7 +86,7 @@ def _reported_value(one: Fitted, item: float, bounds: tuple[float, float], shown
     if not shown:
         return replace(one, low=None, high=None, rows=0, source="not shown by these flights: the default")
     if min(abs(item - end) for end in bounds) < TOLERANCE:
-        return replace(one, low=None, high=None, source=f"{one.source}; at the bound of its search")
+        return at_bound(one)
     return one
 
 

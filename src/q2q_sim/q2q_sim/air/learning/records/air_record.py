@@ -32,6 +32,8 @@ from q2q_model.vehicle.constants import Vehicle
 
 THRUST = "thrust_est"
 """Log column of the thrust by duty and voltage [N]."""
+FLYING = 0.7
+"""Thrust over hover thrust above which a vehicle flies [-]."""
 MANY_GAPS = 0.1
 """Share of a vehicle's rows that are gaps from which on that is reported."""
 
@@ -81,6 +83,11 @@ class AirRecord:
     def vehicles(self) -> int:
         """Return the number of vehicles."""
         return int(self.motion.pos.shape[1])
+
+    @property
+    def flying(self) -> Mask:
+        """Return the rows in which a vehicle flies by its thrust, (T, n)."""
+        return np.asarray(self.thrust_ratio > FLYING)
 
     @property
     def felt(self) -> Mask:

@@ -29,8 +29,6 @@ from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 
 FEWEST = 500
 """Fewest rows of a vehicle in flight: 5 s at 100 Hz."""
-FLYING = 0.7
-"""Thrust over hover thrust above which a vehicle flies [-]."""
 POWERS = np.linspace(1.0, 3.0, 21)
 """k to choose from: thrust in proportion to the speed of the rotors is 1, to its square 2."""
 USUAL_POWER = 1.9
@@ -77,7 +75,7 @@ def _curves(record: AirRecord, motors: Motors) -> list[MotorCurve]:
     """Return the curves of the vehicles that fly long enough."""
     found = []
     for i in range(record.vehicles):
-        flying = (record.thrust_ratio[:, i] > FLYING) & (record.motion.pos[:, i, 2] > FLOOR)
+        flying = record.flying[:, i] & (record.motion.pos[:, i, 2] > FLOOR)
         turning = (motors.duty[:, i] > 0.0).all(axis=1) & (motors.volts[:, i] > 0.0)
         rows = record.measured[:, i] & flying & turning
         if rows.sum() >= FEWEST:

@@ -53,8 +53,11 @@ def within_search(one: Fitted, bounds: tuple[float, float]) -> Fitted:
 
     No value is below a lower bound of 0: there it has no interval only if the whole interval is 0.
     """
-    if not _is_at_bound(one, bounds):
-        return one
+    return at_bound(one) if _is_at_bound(one, bounds) else one
+
+
+def at_bound(one: Fitted) -> Fitted:
+    """Return a value at a bound of its search, without its interval."""
     return replace(one, low=None, high=None, source=f"{one.source}; at the bound of its search")
 
 
