@@ -1,0 +1,38 @@
+"""A topic map is read, and its mistakes are named."""
+
+from pathlib import Path
+
+import pytest
+
+from q2q_model.bag import (
+    BagError,
+    TopicMap,
+    load_topic_map,
+)
+
+
+def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "map.yaml"
+    file.write_text("vehicles: {cf1: /a}\nposes: /poses\nrename: {cf231: cf2}\nstamps: receive\n")
+    assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, stamps="receive")
+    for text, lines in (
+        ("vehicle: {cf1: /a}", "unknown key 'vehicle'; did you mean vehicles"),
+        ("vehicles: [a]", "vehicles = .*: a mapping of names to values is expected"),
+        ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
+        ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
+        ("rename: {a: b}", "maps nothing"),
+        (
+            "references: {a: /b}\nsignals: {reference: /r}",
+            "references and signals: reference are both mapped",
+        ),
+        ("vehicles: {a: /a}\nsignals: {mocap: /m}", "vehicles and signals: mocap are both mapped; keep one"),
+        ("poses: /p\nsignals: {mocap: /m}", "poses and signals: mocap are both mapped; keep one of them"),
+        ("signals: {comand: /c}", "map.yaml: signals: q2q has no topic 'comand'; did you mean command"),
+        ("signals: {/mocap: /m}", "q2q has no topic '/mocap'; did you mean mocap"),
+        ("signals: {plan: /p}", "no topic 'plan'; known are mocap, truth, .*, command"),
+        ("[1, 2]", "expected a mapping"),
+        ("{", "is not valid YAML: line 1"),
+    ):
+        file.write_text(text)
+        with pytest.raises(BagError, match=lines):
+            load_topic_map(file)
