@@ -7,7 +7,8 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
-from q2q_model.flights.flight import FLIGHT_FIELDS, Flight
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, of_rows
 from q2q_model.identification.gains.altitude_from_flight import altitude_record
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.signals.values import Array
@@ -18,6 +19,7 @@ STEP, TICK = 0.002, 0.01
 """Physics and recording [s]."""
 GUST_S = 0.25
 LOOP = AltitudeLoop(k_p=0.81, k_d=0.43, lag=0.1)
+PLAIN = AltitudeLoop(k_p=0.81, k_d=0.43)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +40,22 @@ class Pass:
     """Standard deviation of vertical gusts, correlated over a quarter of a second [m/s^2]."""
 
 
+CALM = Pass(law=NoInteraction(), start=0.3, noise=1e-4)
+"""Shows the gains: Q1 settles, and nobody is pushed."""
+PASSES = [Pass(name=f"gap {gap}", gap=gap, noise=1e-4) for gap in (0.4, 0.6, 0.9)]
+
+
 def record_of(made: Pass) -> AltitudeRecord:
     """Return the record of a made flight."""
     return altitude_record(made_flight(made), CRAZYFLIE_2_0)
+
+
+def without(flight: Flight, *holes: slice) -> Flight:
+    """Return a flight without some of its ticks."""
+    kept = np.ones(flight.t.size, dtype=bool)
+    for hole in holes:
+        kept[hole] = False
+    return of_rows(flight, kept)
 
 
 @cache
