@@ -9,6 +9,8 @@ from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import Names
 
 PAIR = ("cf1", "cf2")
+MOCAP = "q2q_msgs/msg/MocapFrame"
+"""Type of frames in a bag."""
 STEP_NS = 10_000_000
 
 

@@ -32,14 +32,6 @@ CHUNK_INDEX, UNKNOWN = 0x08, 0x7F
 """Kinds of records."""
 
 
-def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
-    written = write_bag(tmp_path / "bag", 30, {"/mocap": MocapFrame})
-    (tmp_path / "bag" / "metadata.yaml").unlink()
-    reader = BagReader(tmp_path / "bag")
-    assert "no metadata.yaml" in reader.repairs[0]
-    assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written["/mocap"], strict=True))
-
-
 @pytest.mark.parametrize(
     ("left_out", "report"),
     [
