@@ -20,6 +20,7 @@ TWO = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1]}], cf2: [{
     ("text", "message"),
     [
         ("", "the file: got None, expected a mapping with vehicles"),
+        ("nothing: 1", "the file: vehicles is missing"),
         ("vehicles:", "the file: vehicles = None: {name: waypoints}, such as {cf1: ["),
         ("vehicles: {}", "no vehicle given: a plan needs at least 1"),
         ("vehicles: [", "is not valid YAML: line 1: expected the node content, but found '<stream end>'"),
