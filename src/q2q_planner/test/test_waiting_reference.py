@@ -1,0 +1,89 @@
+"""While a plan waits, the reference is where vehicles are seen; none in flight is left to drift by it."""
+
+import numpy as np
+import pytest
+from played_room import ABOVE, GROUND, PLAN, PlayedRoom, frame
+
+from q2q_model.signals.values import MocapFrame
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.plan_playback.glide import GlideParams
+from q2q_planner.plan_playback.plan_player import PlanPlayer
+
+
+def test_while_it_waits_the_reference_is_where_the_vehicles_are_seen() -> None:
+    room = PlayedRoom()
+    np.testing.assert_array_equal(room.tick().pos, GROUND)
+    room.pos = ABOVE
+    np.testing.assert_array_equal(room.tick(5.0).pos, room.pos)
+    assert room.player.played is None
+
+
+def test_a_vehicle_missing_from_a_frame_rests_where_it_was_last_seen() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    player.update(frame(0.0, GROUND))
+    alone = MocapFrame(0.1, PLAN.names[:1], ABOVE[:1], np.array([[0.0, 0.0, 0.0, 1.0]]))
+    np.testing.assert_array_equal(player.update(alone).pos, [ABOVE[0], *GROUND[1:]])
+
+
+def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    with pytest.raises(ValueError, match="cf2 has not been measured"):
+        player.update(MocapFrame(0.0, ("cf1",), GROUND[:1], np.array([[0.0, 0.0, 0.0, 1.0]])))
+    assert player.glide().reason == "no vehicle has been measured yet"
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_no_vehicle_in_flight_is_left_to_drift_by_a_wait(held: bool) -> None:
+    """Both fly 3 cm below their references; the same without the wait is the truth."""
+    rooms = PlayedRoom(ABOVE), PlayedRoom(ABOVE)
+    for room in rooms:
+        room.tick()
+        assert room.player.glide().granted
+        room.tick(1.0)
+        if held:
+            assert room.player.hold().granted
+            room.tick(2.0)
+        room.pos = room.setpoints[-1].pos - np.array([0.0, 0.0, 0.03])
+        room.tick()
+    refusal = rooms[0].player.wait()
+    assert not refusal.granted
+    assert refusal.reason == (
+        "cf1 is 0.03 m from its reference: in flight it would drift; "
+        "hold, or land it first; call wait_landed if it stands there"
+    )
+    for _ in range(50):
+        waited, flown = (room.tick() for room in rooms)
+        np.testing.assert_array_equal(waited.pos, flown.pos)
+
+
+def test_vehicles_that_have_landed_are_followed_again_by_a_wait_and_one_that_has_not_refuses_it() -> None:
+    room = PlayedRoom(ABOVE)
+    room.tick()
+    assert room.player.glide().granted
+    flying = room.tick(8.0).pos
+    room.pos = np.array([GROUND[0], flying[1]])
+    room.tick()
+    assert "cf2 is 0.00 m from its reference" in room.player.wait().reason
+    room.pos = GROUND
+    room.tick()
+    assert room.player.wait().granted
+    np.testing.assert_array_equal(room.tick().pos, GROUND)
+
+
+@pytest.mark.parametrize(("ground", "height"), [(0.0, 0.2), (0.2, 0.4)])
+def test_vehicles_found_on_the_ground_are_followed_after_a_flight_however_low(
+    ground: float, height: float
+) -> None:
+    """On the floor, and on a table 0.2 m high."""
+    ways = Waypoint(0.0, (0.0, 0.0, height)), Waypoint(3.0, (0.5, 0.0, height))
+    player = PlanPlayer(minimum_snap_plan([VehicleWaypoints("cf1", ways)]), -1.0, GlideParams(), wait=True)
+    level = np.array([[0.0, 0.0, 0.0, 1.0]])
+    flown = MocapFrame(0.0, ("cf1",), np.array([[0.0, 0.0, height]]), level)
+    landed = MocapFrame(9.0, ("cf1",), np.array([[0.0, 0.0, ground]]), level)
+    player.update(flown)
+    assert player.glide().granted
+    player.update(landed)
+    assert "wait_landed if it stands there" in player.wait().reason
+    assert player.wait_landed().granted
+    np.testing.assert_array_equal(player.update(landed).pos, landed.pos)
