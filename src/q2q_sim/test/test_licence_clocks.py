@@ -1,12 +1,9 @@
 """Every clock of a program is that of the room."""
 
-from math import inf
 from pathlib import Path
 
-from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams
-from q2q_sim.experiments.licence.room.trials import LicenceTrial
+import pytest
+from flown_programs import LAND, flown, hop, log_of, written
 
 READ = """
 import calendar, time, timeit
@@ -80,12 +77,30 @@ def test_clocks_are_builtins_as_attributes_of_classes_by_name_and_for_wrong_argu
     assert printed(tmp_path, ATTRIBUTES) == ["2026 in UTC", "True True", *AS_BUILTINS, *REFUSED]
 
 
+def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path) -> None:
+    """30 s of waiting, 20 of them in two tasks at a time, take no longer than the flight of as much."""
+    pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+    wait = f"""
+    import asyncio, datetime as dt, threading
+    from datetime import datetime as now_of
+    began, first = time.time(), now_of.now()
+    async def rest():
+        event, loop = asyncio.Event(), asyncio.get_running_loop()
+        threading.Timer(10.0, lambda: loop.call_soon_threadsafe(event.set)).start()
+        await asyncio.gather(asyncio.sleep(20.0), event.wait())
+        print(round(time.time() - began, 2))
+    asyncio.run(rest())
+    while now_of.now() - first < dt.timedelta(seconds=30.0):
+        time.sleep(0.1)
+    print(round(time.time() - began, 1), dt.datetime.utcnow().year, isinstance(first, dt.datetime))
+    {LAND}"""
+    flight = flown(hop(tmp_path, wait), limit=60.0)
+    assert flight.findings == ()
+    assert log_of(flight).output.splitlines()[-2:] == ["20.0", "30.0 2026 True"]
+
+
 def printed(folder: Path, text: str) -> list[str]:
     """Return the lines that a program prints."""
-    file = folder / "clocks.py"
-    file.write_text(text)
-    order = FlightOrder(Program(file), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 60.0)
-    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
-    assert flight.log is not None
+    flight = flown(written(folder, text), limit=60.0)
     assert flight.findings == ()
-    return flight.log.output.splitlines()
+    return log_of(flight).output.splitlines()
