@@ -47,7 +47,7 @@ ELSEWHERE: Mapping[str, str] = {
     "ros2 run q2q_control call": "test_procedure_flights makes these calls, in simulated time",
     "ros2 launch": "needs ros2 launch; test_launch_files, where it is installed",
     "ros2 run q2q_sim bag_import FLIGHT.parquet": "the reader's own table; test_bag_import",
-    "ros2 run q2q_sim bag_import cf1_03": "the reader's own logs; test_bag_import",
+    "ros2 run q2q_sim bag_import cf1_03": "the reader's own logs; test_imported_logs",
     "ros2 run q2q_sim learn_air FLIGHTS...": "the reader's own flights; test_learn_air_command",
     "ros2 run q2q_model identify ROOM_BAG...": "the reader's own bags; test_identify_foreign",
     "ros2 run q2q_model evaluate --model model.q2q ROOM": "the reader's own bags; test_identify_foreign",
