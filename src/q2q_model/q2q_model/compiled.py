@@ -1,4 +1,4 @@
-"""Numba compilation by the one decorator of the house, with its list of all kernels.
+"""Numba compilation by one decorator for all packages, with its list of all kernels.
 
 Compile with `compiled`, never with `njit`, so that the machine code is stored by all it depends on
 (kernel_cache), and set-up can compile all KERNELS. Call a kernel with one array layout only: each layout is

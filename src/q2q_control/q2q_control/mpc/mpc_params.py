@@ -47,8 +47,8 @@ class MpcParams:
     )
     loading: float = tunable(
         0.0,
-        "share of a source's thrust beyond its weight that strengthens its downwash: 1 by momentum theory, "
-        "0 as in the paper; if not 0, present downwash is predicted by the horizon itself",
+        "growth of a source's downwash over that of its thrust, relative to hover: 1 by momentum theory, 0 "
+        "as in the paper; if not 0, present downwash is predicted by the horizon itself",
         low=0.0,
         high=2.0,
     )

@@ -78,10 +78,13 @@ class Jet:
         1.0, "share of the kept velocity that the still air leaves", low=0, high=1
     )
     loading: float = tunable(
-        0.0, "share of a source's thrust beyond its weight that strengthens its downwash", low=0, high=2
+        0.0, "growth of a source's downwash over that of its thrust, relative to hover", low=0, high=2
     )
     absorption: float = tunable(
-        0.0, "share of a jet that a vehicle takes, over its acceleration by it in g", low=0, high=4
+        0.0,
+        "share of a jet that a vehicle in it takes away, over its acceleration by it in g",
+        low=0,
+        high=4,
     )
 
     def __post_init__(self) -> None:

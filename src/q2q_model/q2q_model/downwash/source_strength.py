@@ -15,8 +15,8 @@ l is about 0.6 and c about 1.5, and both wakes together have about 0.84 of the s
 |---|---|---|
 | f | law | downwash of j alone on i, z [m/s^2] |
 | d | down | its downward part [m/s^2] |
-| l | loading | share of a source's thrust beyond its weight that strengthens its downwash [-] |
-| c | absorption | share that a vehicle takes from a jet, over its acceleration by it in g [-] |
+| l | loading | growth of a source's downwash over that of its thrust, relative to hover [-] |
+| c | absorption | share of a jet that a vehicle in it takes away, over its acceleration by it in g [-] |
 | a_j | | acceleration of j when its air left it [m/s^2] |
 """
 

@@ -38,7 +38,7 @@ class MocapFilterParams:
     jerk_noise: float = tunable(
         8.0, "root of the power density of the jerk of vehicles", unit="m/s^2.5", low=1e-3, high=1e4
     )
-    # rooms report dropouts of 0.1 to 0.3 s
+    # dropouts of motion capture last 0.1 to 0.3 s
     coast_s: float = tunable(
         0.35, "time without samples after which a coasting vehicle is lost", unit="s", low=0.0, high=10.0
     )

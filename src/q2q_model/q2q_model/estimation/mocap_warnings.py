@@ -8,7 +8,7 @@ from q2q_model.estimation.filter_report import FrameWarnings
 from q2q_model.estimation.rejected_shares import RejectedShares
 
 LASTING = 0.35
-"""Time after which it is warned of [s]: rooms exchange names, and repeat frames, for less."""
+"""Time for which a fault must last to be reported [s]: names are exchanged, and frames repeated, for less."""
 
 _WORDS = {
     "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",

@@ -10,10 +10,10 @@ squares (Savitzky and Golay, Analytical Chemistry 1964), which late stamps distu
 
     r(t + u) = r + r' u + r'' u^2 / 2 + r''' u^3 / 6,    |u| <= max(WIDTH, SAMPLES periods of the reference)
 
-It follows no step: no sample is sure whose fit reaches over one, or misses its samples by more than MISFIT of
-their extent. A step is found between two samples if it is larger than LEAST_STEP and what the reference moves
-in a tick and in the lateness of stamps: 11 mm at 0.6 m/s in ticks of 100 Hz. Not found are smaller ones, ones
-over three samples and more, as motions are, and ones at every other sample.
+It does not follow a step: a sample is not sure if its fit reaches over one, or misses its samples by more
+than MISFIT of their extent. A step between two samples is found if it is larger than LEAST_STEP and what the
+reference moves in a tick and in the lateness of stamps together: 11 mm at 0.6 m/s in ticks of 100 Hz. Smaller
+steps, steps over three samples or more, which are as motions, and steps at every other sample are not found.
 """
 
 from dataclasses import dataclass

@@ -5,8 +5,8 @@
 A hovering source gives its air the momentum m g in a second. A vehicle of its mass that stops all of this air
 feels g, one that turns it back 2 g; a fit to flights 0.4 m below each other gives up to twice that at
 contact, by the square of the distance. Controllers follow what a model predicts, up to full thrust, so one
-that predicts more is not flown with. Nor is one whose air arrives after more than LONGEST_S: as long are the
-positions of all vehicles remembered.
+that predicts more is not flown with, nor one whose air arrives after more than LONGEST_S: the positions of
+all vehicles are remembered for as long.
 """
 
 import numpy as np

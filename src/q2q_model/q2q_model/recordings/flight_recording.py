@@ -8,7 +8,7 @@ from q2q_model.flights.flight_log import FlightLog
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """Flight read from a bag, with its log."""
+    """Flight read from a bag or a table, with its log."""
 
     flight: Flight
     log: FlightLog | None = None

@@ -26,7 +26,7 @@ def checked_array(output: object, shape: tuple[int, ...]) -> Array:
     """Return an output as an array of numbers of a shape.
 
     Raises:
-        ValueError: they are none; the message goes on after the name of the output.
+        ValueError: it is no such array; the message continues a sentence that begins with its name.
     """
     needed = f"floats of shape {shape} are needed"
     try:

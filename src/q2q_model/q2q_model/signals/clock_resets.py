@@ -1,9 +1,10 @@
 """Detection of a clock that was set back or ahead, as opposed to late frames and wrong stamps.
 
-Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
-times and for CONFIRM_S are the new time, also when frames between them come in another order. A frame from
-before is none of them, whether it is delivered again or late: one whose stamp is nearer to those before.
-Stamps further ahead than AHEAD_S are wrong, unless they go on from there for CONFIRM_S, as after a gap.
+Late frames are few, or newer ones come in between. Old stamps are those of a clock that was set back once the
+newest of them has increased CONFIRM_STAMPS times and for CONFIRM_S, also if frames between them come in
+another order. A frame of the time before, which is late or delivered again, does not count: its stamp is
+nearer to those before. Stamps further ahead than AHEAD_S are wrong, unless they go on from there for
+CONFIRM_S, as after a gap.
 """
 
 from math import inf
@@ -15,9 +16,9 @@ CONFIRM_STAMPS = 3
 SET_BACK_S = 1.0
 """Step back of a clock beyond which another flight begins, unless set otherwise [s]."""
 AHEAD_S = 1.0
-"""Step ahead beyond which a stamp may be wrong [s]. One such stamp by less ages states by the step until old
-stamps have risen and tracks are found again, for 0.3 s at most: by 0.8 s or more vehicles land meanwhile
-(land_s of q2q_control.failsafe.fallback_phases)."""
+"""Step ahead beyond which a stamp may be wrong [s]. A wrong one that is ahead by less ages all states by its
+step until old stamps have risen and tracks are found again, for 0.3 s at most; by 0.8 s or more, vehicles
+land meanwhile (land_s of q2q_control.failsafe.fallback_phases)."""
 CONFIRM_S = 0.1
 """Time for which old stamps, or those far ahead, must have increased [s]: as long as a command holds
 (q2q_control.failsafe.fallback_params), and longer than the bursts in which a network delivers frames."""

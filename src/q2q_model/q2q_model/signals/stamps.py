@@ -23,7 +23,7 @@ times."""
 
 
 class BadStampError(ValueError):
-    """Error for a stamp that is none, or close to the end of its range."""
+    """Error for a stamp that is invalid, or close to the end of its range."""
 
 
 def stamp_from_parts(sec: int, nanosec: int) -> int:

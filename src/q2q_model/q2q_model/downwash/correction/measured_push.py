@@ -5,7 +5,7 @@
 | symbol | name | meaning [unit] |
 |---|---|---|
 | f_body | specific_force_body | accelerometer [m/s^2] |
-| U1 | thrust | commanded [N]; the rotors follow with the vehicle's lag, since the last tick the tick's own |
+| U1 | thrust | commanded [N]; the rotors follow with the vehicle's lag, from tick to tick the later command |
 | b | | body z |
 """
 

@@ -1,6 +1,6 @@
 """Rejected samples that may be of another vehicle with a wrong name.
 
-Suspected is a sample if another vehicle has no accepted one, either, and
+A sample is suspected if another vehicle has no accepted one, either, and
 
     it is nearer to that one than to the vehicle of its name: to where each was last, or would be by its last
     velocity, less how far it may have strayed from there;

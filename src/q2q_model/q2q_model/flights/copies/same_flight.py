@@ -18,7 +18,7 @@ def flight_digest(flight: Flight) -> str:
 
     The SHA-256 is that of vehicles, stamps and recorded positions, the windows are those of motion_windows.
     A simulated flight, whose true positions are known, has no windows: flights of one seed share their noise.
-    Nor have flights in older files of models and airs.
+    Flights in older files of models and airs have none either.
     """
     pos = flight.mocap_pos if np.isfinite(flight.mocap_pos).any() else flight.pos
     found = sha256("\0".join(flight.names).encode())

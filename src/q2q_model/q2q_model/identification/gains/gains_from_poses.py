@@ -5,9 +5,10 @@ stay at their references fits anything. Gains are known if a loop explains the d
 their references, sum dev^2 up to a tenth, in the rows where its response is above what it leaves
 (trajectory_gains), and K_p and K_d are above 0; else their intervals are all that was searched.
 
-Nor is it known whether thrust lags, and whether the controller integrates: intervals hold those of the fits
-without lag and with the most that it may be, without and with an integral: one that flew is seldom
-significant. An offset is fitted if it is significantly better; an integral than which it is, is left out.
+It is not known, either, whether thrust lags and whether the controller integrates, as an integral that flew
+is seldom significant: intervals hold those of the fits without lag and with the most that it may be, without
+and with an integral. An offset is fitted if it is significantly better, and the fits with an integral than
+which it is significantly better are left out.
 """
 
 from collections.abc import Sequence

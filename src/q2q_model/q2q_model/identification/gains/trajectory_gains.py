@@ -198,7 +198,7 @@ def _widest(jacobian: Array, rms: float, stretches: Sequence[Stretch]) -> Array:
 
 
 def _showing(records: Sequence[AltitudeRecord], residuals: Sequence[Array]) -> Mask:
-    """Return which rows the loop's own response is above the residuals in, (rows,)."""
+    """Return the rows in which the loop's own response is above the residuals, (rows,)."""
     responses = _flat([record.deviation - one for record, one in zip(records, residuals, strict=True)])
     return np.asarray(np.abs(responses) > ABOVE * _rms(residuals))
 

@@ -1,6 +1,6 @@
 """Least-squares fit of the jet to measured downwash (push_samples) or to altitudes (14).
 
-Fitted are the free parameters of a JetForm. The residuals are
+The free parameters of a JetForm are fitted. The residuals are
 
     pushes:     y - eta                        on exposed and upper rows
     altitudes:  z - z_free - (h * eta)         every tenth tick, as the loop is much slower

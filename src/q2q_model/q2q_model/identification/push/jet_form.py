@@ -1,8 +1,8 @@
 """Structure of a jet that is fitted, and its free parameters as a vector.
 
-Free are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; of a loaded form also the
-share of velocity left by the still air and, from flights of three or more, loading and absorption. The form
-of the decay and the share of velocity and slope that the air keeps are given.
+Free parameters are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; of a loaded
+form also the share of velocity left by the still air and, from flights of three or more, loading and
+absorption. The form of the decay and the share of velocity and slope that the air keeps are given.
 
 Pairs show how a source's thrust varies in manoeuvres, but not what a vehicle between two others takes from
 the jet above it. Loading without this absorption predicts triples worse than no loading does:

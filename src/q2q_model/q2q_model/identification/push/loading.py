@@ -3,16 +3,16 @@
 A source j exposed to downwash e_j itself has the thrust m (g - e_j). By momentum theory its downwash is
 proportional to that; in the paper it is constant. With the law f_ij of source j on vehicle i,
 
-    y_i = a (f + c h),   f = sum over j of f_ij,   h = sum over j of f_ij (-e_j / g)
+    y_i = a (f + l h),   f = sum over j of f_ij,   h = sum over j of f_ij (-e_j / g)
 
-is linear in a and a c. The scale a is fitted too, because otherwise a law that is too weak or too strong
-would bias c. Rows in which no source is exposed identify a, the others c.
+is linear in a and a l. The scale a is fitted too, because otherwise a law that is too weak or too strong
+would bias l. Rows in which no source is exposed identify a, the others l.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | y | y | observed vertical push [m/s^2] |
 | a | scale | strength on these flights over the law's [-] |
-| c | loading | share of a source's thrust beyond its weight that strengthens its downwash [-] |
+| l | loading | as in q2q_model.downwash.source_strength [-] |
 """
 
 from collections.abc import Sequence

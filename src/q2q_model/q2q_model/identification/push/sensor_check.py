@@ -6,9 +6,9 @@ sides and their deviations, the two regression lines enclose s:
 
     r dev(f) / dev(U1 b_z / m) <= s <= dev(f) / dev(U1 b_z / m) / r
 
-The first is too small in gusts, which commands answer, and the second with noise of the accelerometer. In
-place of r stands its lower bound tanh(artanh r - 1.96 / N^1/2) for N independent rows: where the thrust
-hardly varies, as in hover, it is 0, and the slope may be any.
+The first is too small in gusts, which commands answer, and the second too large with noise of the
+accelerometer. r is replaced by its lower bound tanh(artanh r - 1.96 / N^1/2) for N independent rows: where
+the thrust hardly varies, as in hover, that is 0, and the slope may be any.
 """
 
 from collections.abc import Sequence

@@ -40,7 +40,7 @@ def score_candidates(
     """Return each candidate's held-out score, and remarks on those that cannot be fitted.
 
     `on_step` is called with the name of each candidate before its fit. The last one, which takes about as
-    long as all others, is fitted in addition.
+    long as all others together, is fitted by a second process meanwhile.
     """
     trials: list[Trial] = []
     remarks: list[str] = []
