@@ -10,11 +10,14 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
+from types import FunctionType
 
 import numpy as np
 from fresh_checkout import ROOT
+from numba.core.dispatcher import Dispatcher
 
-from q2q_model.compiled import COMPILED, twice_compiled, uncalled_kernels
+from q2q_model.compilation.kernel_digest import called_kernels
+from q2q_model.compiled import COMPILED, KERNELS
 from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import MEASURED_LAW
@@ -59,6 +62,23 @@ def main() -> None:
     recordings, _ = recordings_of_bags([ROOT / "bags" / "table2_1"])
     identify(recordings, ProcedureParams(), lambda _: None)
     print(json.dumps({"compiled": COMPILED, "idle": uncalled_kernels(), "twice": twice_compiled()}))
+
+
+def uncalled_kernels() -> list[str]:
+    """Return the names of the kernels this process has called neither from Python nor from other kernels."""
+    called: set[FunctionType] = set()
+    callers = [one.function for one in KERNELS if isinstance(one.made, Dispatcher) and one.made.overloads]
+    while callers:
+        one = callers.pop()
+        if one not in called:
+            called.add(one)
+            callers.extend(called_kernels(one))
+    return [kernel.name for kernel in KERNELS if kernel.function not in called]
+
+
+def twice_compiled() -> list[str]:
+    """Return the names of the kernels that this process has called with several types or array layouts."""
+    return [one.name for one in KERNELS if isinstance(one.made, Dispatcher) and len(one.made.overloads) > 1]
 
 
 def flights() -> None:

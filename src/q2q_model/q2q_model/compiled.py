@@ -104,23 +104,6 @@ def uncached_kernels() -> list[str]:
     return [kernel.name for kernel in entry_kernels() if not (kernel.cache and kernel.cache.holds_any())]
 
 
-def uncalled_kernels() -> list[str]:
-    """Return the names of the kernels this process has called neither from Python nor from other kernels."""
-    called: set[FunctionType] = set()
-    callers = [one.function for one in KERNELS if isinstance(one.made, Dispatcher) and one.made.overloads]
-    while callers:
-        one = callers.pop()
-        if one not in called:
-            called.add(one)
-            callers.extend(called_kernels(one))
-    return [kernel.name for kernel in KERNELS if kernel.function not in called]
-
-
-def twice_compiled() -> list[str]:
-    """Return the names of the kernels that this process has called with several types or array layouts."""
-    return [one.name for one in KERNELS if isinstance(one.made, Dispatcher) and len(one.made.overloads) > 1]
-
-
 class _CompilationListener(event.Listener):  # type: ignore[misc]  # numba has no types
     """Listener that records every compilation in COMPILED."""
 
