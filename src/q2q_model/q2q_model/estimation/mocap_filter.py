@@ -171,7 +171,7 @@ class MocapFilter:
         outcome, turned, repeated = nominal_frame(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
             self._wrong = ()
-            self._count_nominal()
+            self._count_frame()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         if outcome == NEEDS_ASSOCIATION:
             self._positions.allow_gap(self._intervals.longest)
@@ -229,7 +229,8 @@ class MocapFilter:
         self._recent = extend_memory(self._recent, len(new))
         self._find_memory()
 
-    def _count_nominal(self) -> None:
+    def _count_frame(self) -> None:
+        """Count a frame, as if every vehicle had a sample."""
         counts = self._counts
         counts["frames"] += 1
         counts["repeated_names"] += self._rows.repeated
@@ -238,7 +239,7 @@ class MocapFilter:
 
     def _count(self, present: Mask, tracked: TrackUpdate) -> Mask:
         """Count what was done with a tick's samples; return those that no track accepted, (n,)."""
-        self._count_nominal()
+        self._count_frame()
         if tracked.nominal:
             return np.zeros(len(present), dtype=np.bool_)
         counts, used = self._counts, np.zeros(len(present), dtype=np.bool_)

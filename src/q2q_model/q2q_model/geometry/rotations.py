@@ -89,8 +89,7 @@ def euler_from_quat(quat: Array) -> Array:
     x, y, z, w = _parts(quat)
     roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return np.stack([roll, pitch, yaw], axis=-1)
+    return np.stack([roll, pitch, yaw_from_quat(quat)], axis=-1)
 
 
 def yaw_from_quat(quat: Array) -> Array:
