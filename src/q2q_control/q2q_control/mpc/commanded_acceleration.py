@@ -2,7 +2,7 @@
 
 | a vehicle's horizon | command | counted as |
 |---|---|---|
-| solved, or feasible though not optimal | its first input | solved, cut_off |
+| solved, or feasible though not optimal | its first input | solved |
 | not in time or not finite, up to shift_time after the last solve | its last solution, shifted | shifted |
 | the same, later | PD law with the loop's bandwidths | pd |
 """
@@ -15,7 +15,7 @@ import numpy as np
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.forecast import Forecast
 from q2q_control.mpc.prediction.previous_solution import PredictedSolution
-from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
+from q2q_control.mpc.problem.horizon import INTERRUPTED, Horizon, HorizonSolution
 from q2q_model.compiled import compiled
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
@@ -25,7 +25,6 @@ class CommandSources(NamedTuple):
     """Number of vehicles by the source of their command."""
 
     solved: int = 0
-    cut_off: int = 0
     shifted: int = 0
     pd: int = 0
 
@@ -99,7 +98,7 @@ def _choose(
     """Write the commands (n, 3) and the second prediction, the first one where a vehicle failed."""
     old = predicted[0]
     shifts = old.start - old.solved <= rule.shift_time
-    failures = by_shift = cut_off = 0
+    failures = by_shift = 0
     for v in range(acc.shape[0]):
         failed = _failed(solution, v)
         by_pd = failed and not shifts[v]
@@ -113,10 +112,7 @@ def _choose(
         _keep_solution(solution, horizon, predicted, v, failed)
         failures += failed
         by_shift += failed and not by_pd
-        cut_off += solution.status[v] == CUT_OFF
-    return CommandSources(
-        solved=acc.shape[0] - failures, cut_off=cut_off, shifted=by_shift, pd=failures - by_shift
-    )
+    return CommandSources(solved=acc.shape[0] - failures, shifted=by_shift, pd=failures - by_shift)
 
 
 @compiled

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array
 
-INTERRUPTED, SOLVED, CUT_OFF = 0, 1, 2
-"""Status of a vehicle's solution: out of time or not finite; optimal; feasible but not optimal."""
+INTERRUPTED, SOLVED = 0, 1
+"""Status of a vehicle's solution: out of time or not finite; optimal, or feasible though not optimal."""
 
 
 class Horizon(NamedTuple):
@@ -43,7 +43,7 @@ class HorizonSolution(NamedTuple):
     active_set: NDArray[np.int8]
     """Active bounds (q2q_control.mpc.solver.active_set), (n, N, 3)."""
     status: NDArray[np.int8]
-    """INTERRUPTED, SOLVED or CUT_OFF, (n,)."""
+    """INTERRUPTED or SOLVED, (n,)."""
     iterations: int
     """Most recursions of one problem."""
 

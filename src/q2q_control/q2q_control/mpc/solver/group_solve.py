@@ -31,7 +31,6 @@ class GroupResult(NamedTuple):
     """Effort and outcome of a group's solve."""
 
     iterations: int
-    converged: bool
     finite: bool
 
 
@@ -62,4 +61,4 @@ def solve_group(
                 solution.inputs[v, k, axis] = found.inputs[k, c]
                 solution.active_set[v, k, axis] = active_set[k, c]
                 finite = finite and np.isfinite(found.inputs[k, c])
-    return GroupResult(found.iterations, found.converged, finite)
+    return GroupResult(found.iterations, finite)

@@ -15,14 +15,7 @@ import numpy as np
 from q2q_control.mpc.axis_model import AxisModels, axis_models
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import (
-    CUT_OFF,
-    INTERRUPTED,
-    SOLVED,
-    Horizon,
-    HorizonSolution,
-    blank_solution,
-)
+from q2q_control.mpc.problem.horizon import INTERRUPTED, Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import gains_of_table, gains_table, sweep_axes, sweep_gains
@@ -86,8 +79,6 @@ class HorizonSolver:
             most = max(most, int(result.iterations))
             if not result.finite:
                 status[rows] = INTERRUPTED
-            elif not result.converged:
-                status[rows] = np.where(status[rows] == SOLVED, CUT_OFF, status[rows])
         return solution._replace(iterations=most)
 
     def _swept(self, horizon: Horizon, downwash: DownwashHorizon, solution: HorizonSolution) -> list[Group]:
