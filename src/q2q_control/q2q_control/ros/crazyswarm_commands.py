@@ -1,7 +1,7 @@
 """Publishers of Crazyswarm2's setpoints: `<name>/cmd_full_state` or `<name>/cmd_vel_legacy`."""
 
 import numpy as np
-from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 from std_msgs.msg import Header
 
@@ -11,7 +11,7 @@ from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_model.node.connections import conflicting_nodes
 from q2q_model.ros.node.publisher_conflicts import publishers_of
-from q2q_model.ros.topics.messages import header_at
+from q2q_model.ros.topics.messages import header_at, pose_message
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
 
 QUEUE = 1
@@ -68,9 +68,7 @@ class CrazyswarmCommands:
             writer.publish(Twist())
 
     def _message(self, header: Header, full_state: FullState) -> object:
-        x, y, z = full_state.pos
-        qx, qy, qz, qw = full_state.quat
-        pose = Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+        pose = pose_message(full_state.pos, full_state.quat)
         twist = Twist(linear=_vector(full_state.vel), angular=_vector(full_state.ang_vel))
         return self._full_state(header=header, pose=pose, twist=twist, acc=_vector(full_state.acc))
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Protocol
 
-from geometry_msgs.msg import Point, Pose, Quaternion
+from geometry_msgs.msg import Pose
 from std_msgs.msg import Header
 
 from q2q_control.crazyswarm.message_conversion import NamedPose
+from q2q_model.ros.topics.messages import pose_message
 
 MOCAP_PACKAGE, CRAZYFLIE_PACKAGE = "motion_capture_tracking_interfaces", "crazyflie_interfaces"
 
@@ -52,8 +53,7 @@ class PoseTypes:
         return made
 
     def _one(self, header: Header, pose: NamedPose) -> PoseMessage:
-        (x, y, z), (qx, qy, qz, qw) = pose.pos, pose.quat
-        where = Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+        where = pose_message(pose.pos, pose.quat)
         own = Header(stamp=header.stamp, frame_id=pose.name)
         made: PoseMessage = (
             self.one(name=pose.name, pose=where) if self.named else self.one(header=own, pose=where)

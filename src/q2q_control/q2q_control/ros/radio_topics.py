@@ -6,7 +6,7 @@
 import math
 from time import monotonic
 
-from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
+from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32, Header
@@ -14,6 +14,7 @@ from std_msgs.msg import Float32, Header
 from q2q_control.radio.link import LinkHealth, OnboardPose
 from q2q_model.node.connections import conflicting_nodes
 from q2q_model.node.decimation import Decimation
+from q2q_model.ros.topics.messages import pose_message
 from q2q_model.signals.cdr.cdr_format import WORLD
 from q2q_model.signals.values import Names
 
@@ -42,7 +43,7 @@ class RadioTopics:
             return
         header = Header(stamp=self._node.get_clock().now().to_msg(), frame_id=WORLD)
         if pose is not None:
-            self._poses[name].publish(PoseStamped(header=header, pose=_pose(pose)))
+            self._poses[name].publish(PoseStamped(header=header, pose=pose_message(pose.pos, pose.quat)))
         self._batteries[name].publish(BatteryState(header=header, voltage=health.volt, present=True))
         if not math.isnan(health.quality):
             self._qualities[name].publish(Float32(data=health.quality))
@@ -51,9 +52,3 @@ class RadioTopics:
         """Return the names of other nodes that publish these vehicles' batteries; empty if there are none."""
         found = [self._node.get_publishers_info_by_topic(f"{name}/battery") for name in self._batteries]
         return conflicting_nodes(self._node.get_name(), [[one.node_name for one in some] for some in found])
-
-
-def _pose(pose: OnboardPose) -> Pose:
-    x, y, z = pose.pos
-    qx, qy, qz, qw = pose.quat
-    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))

@@ -1,10 +1,10 @@
 """MarkerArray of a scene, for RViz and other viewers."""
 
-from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from geometry_msgs.msg import Point, Pose, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from q2q_model.ros.topics.messages import header_at
+from q2q_model.ros.topics.messages import header_at, pose_message
 from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 
 TYPES = {
@@ -36,18 +36,12 @@ def _marker(shape: Shape, header: Header) -> Marker:
         id=shape.row,
         type=TYPES[shape.kind],
         action=Marker.ADD,
-        pose=Pose() if by_points else _pose(shape),
+        pose=Pose() if by_points else pose_message(shape.points[0], shape.quat),
         scale=_scale(shape),
         color=ColorRGBA(r=red, g=green, b=blue, a=opacity),
         points=[Point(x=x, y=y, z=z) for x, y, z in shape.points] if by_points else [],
         text=shape.text,
     )
-
-
-def _pose(shape: Shape) -> Pose:
-    x, y, z = shape.points[0]
-    qx, qy, qz, qw = shape.quat
-    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
 
 
 def _scale(shape: Shape) -> Vector3:

@@ -1,6 +1,9 @@
-"""Message class of each signal, message headers, and their stamps."""
+"""Message class of each signal, message headers and their stamps, and poses."""
+
+from collections.abc import Sequence
 
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, Pose, Quaternion
 from q2q_msgs import msg as q2q_msg
 from std_msgs.msg import Header
 
@@ -21,3 +24,10 @@ def header_at(stamp_ns: int) -> Header:
 def stamp_of(header: Header) -> int:
     """Return the stamp of a header [ns]; raise ValueError if it is none."""
     return stamp_from_parts(header.stamp.sec, header.stamp.nanosec)
+
+
+def pose_message(pos: Sequence[float], quat: Sequence[float]) -> Pose:
+    """Return the message of a position x, y, z [m] and an orientation x, y, z, w."""
+    x, y, z = pos
+    qx, qy, qz, qw = quat
+    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))

@@ -2,11 +2,9 @@
 
 import numpy as np
 from geometry_msgs.msg import (
-    Point,
     Pose,
     PoseStamped,
     PoseWithCovariance,
-    Quaternion,
     Twist,
     TwistWithCovariance,
     Vector3,
@@ -16,7 +14,7 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from q2q_model.geometry.rotations import level_where_unknown, rotate_inverse
-from q2q_model.ros.topics.messages import header_at
+from q2q_model.ros.topics.messages import header_at, pose_message
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
 from q2q_model.signals.repeated_stamp import StampOrder
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
@@ -47,15 +45,9 @@ class VehicleTopics:
                 continue
             pose, odom = publishers
             header = header_at(stamp_ns)
-            where = _pose(state.pos[row], quat[row])
+            where = pose_message(state.pos[row].tolist(), quat[row].tolist())
             pose.publish(PoseStamped(header=header, pose=where))
             odom.publish(_odometry(header, name, where, _twist(vel_body[row], state.ang_vel_body[row])))
-
-
-def _pose(pos: Array, quat: Array) -> Pose:
-    x, y, z = pos.tolist()
-    qx, qy, qz, qw = quat.tolist()
-    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
 
 
 def _twist(vel_body: Array, ang_vel_body: Array) -> Twist:
