@@ -43,7 +43,7 @@ class GlideParams:
         0.2, "radius of the cylinder that a glide keeps free of other vehicles", unit="m", low=0.01, high=5.0
     )
     glide_d: float = tunable(
-        1.1,
+        Cylinder().d,
         "half height of the cylinder that a glide keeps free of other vehicles",
         unit="m",
         low=0.01,

@@ -15,8 +15,8 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.tools.risk_options import range_note, zone_by_risk
 
-EPS, D = 0.1, 1.1
-"""Radius and half height of the zone without options [m]."""
+PAPER_ZONE = Cylinder()
+"""Zone without options."""
 SIZE = ("shape", "eps", "d")
 
 
@@ -70,7 +70,8 @@ def _zone_of_model(asked: Namespace) -> tuple[Zone, str]:
 
 
 def _zone_of_size(asked: Namespace) -> tuple[Zone, str]:
-    eps, d = EPS if asked.eps is None else asked.eps, D if asked.d is None else asked.d
+    eps = PAPER_ZONE.eps if asked.eps is None else asked.eps
+    d = PAPER_ZONE.d if asked.d is None else asked.d
     for name, value in (("eps", eps), ("d", d)):
         if not 0.0 < value < LARGEST:
             raise ValueError(f"--{name} = {value}: allowed is 0 to {LARGEST} m, both excluded")

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.safe.stopping.approach_speed import LAG, followed_pole
 
@@ -14,7 +15,9 @@ class SafeReplannerParams:
         default=True, description="avoid other vehicles; false: every vehicle returns to its reference"
     )
     eps: float = tunable(0.25, "radius of the zone around each vehicle", unit="m", low=1e-3, high=10.0)
-    d: float = tunable(1.1, "half height of the zone around each vehicle", unit="m", low=1e-3, high=10.0)
+    d: float = tunable(
+        Cylinder().d, "half height of the zone around each vehicle", unit="m", low=1e-3, high=10.0
+    )
     margin: float = tunable(
         0.02, "distance kept from the zones of other vehicles", unit="m", low=0.0, high=1.0
     )
