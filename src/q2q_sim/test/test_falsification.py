@@ -34,7 +34,8 @@ from q2q_sim.experiments.falsification.guided_search import (
     last_fault_start,
 )
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault
+from q2q_sim.faults.drawn_faults import LENGTHS, SIZES
+from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.monitors.policies import Violation
 
 NAMES = ("a", "b", "c")

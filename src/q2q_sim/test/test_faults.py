@@ -10,7 +10,8 @@ from q2q_model.geometry.rotations import matrix_from_quat
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, random_faults
+from q2q_sim.faults.drawn_faults import LENGTHS, SIZES, random_faults
+from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room, Tick

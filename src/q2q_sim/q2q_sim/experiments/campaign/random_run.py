@@ -18,7 +18,8 @@ from functools import cache, cached_property
 import numpy as np
 
 from q2q_model.documents.plain_values import from_plain
-from q2q_sim.faults.faults import Fault, random_faults
+from q2q_sim.faults.drawn_faults import random_faults
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library

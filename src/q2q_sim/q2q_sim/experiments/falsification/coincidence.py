@@ -9,7 +9,6 @@ faults are two pairs:
 Durations and sizes are drawn near the ends of their ranges more often than in the middle (arcsine law).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -17,7 +16,8 @@ import numpy as np
 
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, earliest_start
+from q2q_sim.faults.drawn_faults import LENGTHS, SIZES, earliest_start, kinds_among
+from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -99,8 +99,7 @@ class CoincidingFaults:
 
     def _kind_and_duration(self) -> tuple[str, float]:
         family = FAMILIES[int(self._rng.choice(len(FAMILIES), p=SHARES))]
-        kinds: Sequence[str] = [kind for kind in family if kind != "swap" or len(self._names) > 1]
-        kind = str(self._rng.choice(kinds))
+        kind = str(self._rng.choice(kinds_among(family, self._names)))
         return kind, self._between(LENGTHS[kind])
 
     def _fault(self, kind: str, start: float, duration: float, vehicle: str) -> Fault:

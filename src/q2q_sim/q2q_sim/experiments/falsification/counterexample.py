@@ -15,7 +15,8 @@ from q2q_model.documents.written_file import write_text
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_sim.experiments.campaign.campaign_flight import plain_document
 from q2q_sim.experiments.campaign.random_run import Run, fault_document
-from q2q_sim.faults.faults import Fault, earliest_start
+from q2q_sim.faults.drawn_faults import earliest_start
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 

@@ -18,7 +18,8 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Names
 from q2q_sim.experiments.campaign.random_run import MOST
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, earliest_start
+from q2q_sim.faults.drawn_faults import LENGTHS, SIZES, earliest_start, kinds_among
+from q2q_sim.faults.faults import KINDS, Fault
 
 SLOTS = MOST
 """Faults in a run: as many as campaigns draw at most."""
@@ -50,7 +51,7 @@ def vector_of(faults: tuple[Fault, ...], names: Names, last_start: float) -> Arr
 
 
 def _numbers(fault: Fault, names: Names, last_start: float) -> FaultNumbers:
-    kinds, choices = _kinds(names), _choices(fault.kind, names)
+    kinds, choices = kinds_among(KINDS, names), _choices(fault.kind, names)
     return FaultNumbers(
         kind=(kinds.index(fault.kind) + 0.5) / len(kinds),
         start=fault.start / last_start,
@@ -61,7 +62,7 @@ def _numbers(fault: Fault, names: Names, last_start: float) -> FaultNumbers:
 
 
 def _fault(numbers: FaultNumbers, names: Names, last_start: float) -> Fault:
-    kinds = _kinds(names)
+    kinds = kinds_among(KINDS, names)
     kind = kinds[_share(numbers.kind, len(kinds))]
     choices = _choices(kind, names)
     return Fault(
@@ -71,10 +72,6 @@ def _fault(numbers: FaultNumbers, names: Names, last_start: float) -> Fault:
         vehicles=choices[_share(numbers.who, len(choices))],
         size=_between(SIZES[kind], numbers.size) if kind in SIZES else 0.0,
     )
-
-
-def _kinds(names: Names) -> list[str]:
-    return [kind for kind in KINDS if kind != "swap" or len(names) > 1]
 
 
 def _choices(kind: str, names: Names) -> list[Names]:
