@@ -1,6 +1,7 @@
 """Faults strike what, when and whom they say, and nothing else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,13 +9,14 @@ import pytest
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.geometry.rotations import matrix_from_quat
 from q2q_model.model_files.find_model import find_model
-from q2q_model.signals.stamps import TICK_S
+from q2q_model.signals.stamps import TICK_NS, TICK_S, time_from_stamp
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.faults.drawn_faults import LENGTHS, SIZES, random_faults
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room, Tick
+from q2q_sim.monitors.policies.exemptions.thrust_exceeded import thrust_left
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import Injected
 
@@ -133,6 +135,20 @@ def test_a_frame_is_stamped_once_however_it_is_delivered(fault: Fault, stamps: l
         seen = _ticks(*faults)[9 : 9 + len(stamps)]
         assert [tick.frame_stamp_ns // 10_000_000 for tick, _ in seen] == stamps
         assert [tick.frame.t for tick, _ in seen] == [tick.frame_stamp_ns * 1e-9 for tick, _ in seen]
+
+
+def test_the_judged_share_of_thrust_is_the_injected_one_at_every_tick() -> None:
+    faults = (
+        Fault("weak_rotor", 0.29, 0.0, ("cf1",), 0.2),
+        Fault("weak_rotor", 0.57, 0.1, ("cf2",), 0.2),
+        Fault("battery_sag", 0.5, 0.0, ("cf1",), 0.1),
+        Fault("battery_sag", 0.3, 0.4, ("cf2",), 0.1),
+    )
+    injection = FaultInjection(faults, ("cf1", "cf2"), TICK_NS, seed=0)
+    stamps = TICK_NS * np.arange(100)
+    given = [injection.weakened(np.ones((2, 7)), int(stamp))[:, 3:].mean(axis=1) for stamp in stamps]
+    trace = SimpleNamespace(t=np.array([time_from_stamp(int(one)) for one in stamps]), names=("cf1", "cf2"))
+    np.testing.assert_allclose(thrust_left(trace, faults), given, rtol=1e-12)
 
 
 def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None:

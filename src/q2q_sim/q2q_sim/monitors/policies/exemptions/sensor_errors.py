@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
@@ -9,8 +10,6 @@ from q2q_sim.monitors.policies.flight_trace import FlightTrace
 
 UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
-EARLY_S = 0.005
-"""A fault acts from up to half a tick before its start on (Fault.window) [s]."""
 RECOVERY_S = 1.0
 """Longest time after a steady error until the true track is accepted again [s]."""
 
@@ -28,7 +27,7 @@ def with_sensor_error(trace: FlightTrace, faults: tuple[Fault, ...], after: floa
             shift = jumps if fault.kind == "clock_jump" else 0.0
             end = fault.start + fault.duration
             ends = _believed_until(trace, end) if fault.kind == "jump" else end + shift
-            begun = trace.t > fault.start - shift - EARLY_S
+            begun = trace.t >= fault.window(TICK_S)[0] - shift
             lasting = begun[:, None] & (trace.t[:, None] <= ends + after)
             mask |= lasting & affected_vehicles(fault, trace.names)
     return mask

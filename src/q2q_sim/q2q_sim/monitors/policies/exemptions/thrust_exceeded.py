@@ -11,6 +11,7 @@ of the four. Where the downwash is unknown, no vehicle is pushed.
 import numpy as np
 
 from q2q_control.failsafe.blind_flight.braking_law import TOUCHDOWN_MAX
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.affected_vehicles import affected_vehicles
@@ -40,9 +41,10 @@ def thrust_left(trace: FlightTrace, faults: tuple[Fault, ...]) -> Array:
 
 def _lost(fault: Fault, t: Array) -> Array:
     """Return the share of the thrust that a fault takes at times [s], (T, 1)."""
-    since = t - fault.start
     if fault.kind == "battery_sag":
-        return np.asarray(fault.size * np.clip(since / max(fault.duration, 1e-9), 0.0, 1.0))
+        since = t - fault.start
+        return np.asarray(fault.size * np.clip(since / max(fault.duration, TICK_S), 0.0, 1.0))
     if fault.kind == "weak_rotor":
-        return np.asarray(fault.size / ROTORS * ((since >= 0.0) & (since < fault.duration)))
+        begin, end = fault.window(TICK_S)
+        return np.asarray(fault.size / ROTORS * ((t >= begin) & (t < end)))
     return np.zeros_like(t)
