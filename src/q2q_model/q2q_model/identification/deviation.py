@@ -17,6 +17,8 @@ rough value; the level set of the learned downwash is the alternative.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from operator import attrgetter
 
 import numpy as np
 
@@ -79,22 +81,17 @@ class DecayFit:
 
 
 def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | None:
-    """Return a flight's dev and mean gap over its closest pair; None without overlap."""
-    best: tuple[int, float, float] | None = None
-    n = len(record.names)
+    """Return dev and gap of the pair of a flight that overlaps longest; None without overlap."""
     late = record.t - record.t[0] >= min(params.steady, 0.5 * (record.t[-1] - record.t[0]))
-    bias = _clear_bias(record, params.clear)
-    for i in range(n):
-        for j in range(i + 1, n):
-            rel = record.pos[:, j] - record.pos[:, i]
-            rows = late & (np.hypot(rel[:, 0], rel[:, 1]) <= params.eps)
-            count = int(rows.sum())
-            if count >= FEWEST and (best is None or count > best[0]):
-                away = np.abs(record.deviation - bias)[rows]
-                best = count, float(np.abs(rel[rows, 2].mean())), float((away[:, i] + away[:, j]).mean())
-    if best is None:
-        return None
-    return Overlap(flight=record.name, gap=best[1], dev=best[2], seconds=best[0] * record.dt)
+    away = np.abs(record.deviation - _clear_bias(record, params.clear))
+    found = []
+    for i, j in combinations(range(len(record.names)), 2):
+        rel = record.pos[:, j] - record.pos[:, i]
+        rows = late & (np.hypot(rel[:, 0], rel[:, 1]) <= params.eps)
+        if (count := int(rows.sum())) >= FEWEST:
+            gap, dev = float(np.abs(rel[rows, 2].mean())), float((away[rows, i] + away[rows, j]).mean())
+            found.append(Overlap(record.name, gap, dev, count * record.dt))
+    return max(found, key=attrgetter("seconds"), default=None)
 
 
 def _overlaps(records: Sequence[AltitudeRecord], params: DeviationParams) -> tuple[Overlap, ...]:
