@@ -16,8 +16,8 @@ from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.identification import Identification
-from q2q_model.identification.push.along_flight import eta_along
-from q2q_model.identification.selection.identification_data import every_record, is_lower, motion_along
+from q2q_model.identification.push.along_flight import eta_along, motion_along
+from q2q_model.identification.selection.identification_data import every_record, is_lower
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

@@ -25,6 +25,7 @@ from q2q_model.downwash.source_strength import (
     thrust_ratio,
 )
 from q2q_model.downwash.state_history import states_at
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.signals.values import Array, Mask, Rows
 
 
@@ -40,6 +41,11 @@ class Motion:
     """[m/s], world, (T, n, 3)."""
     axis: Array
     """Body z, world, (T, n, 3)."""
+
+
+def motion_along(record: AltitudeRecord) -> Motion:
+    """Return the motion in a record."""
+    return Motion(record.t, record.pos, record.vel, record.axis)
 
 
 @dataclass(frozen=True, slots=True)

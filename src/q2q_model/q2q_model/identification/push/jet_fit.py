@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
-from q2q_model.identification.push.along_flight import FlownRows, Motion, VehicleTicks
+from q2q_model.identification.push.along_flight import FlownRows, VehicleTicks, motion_along
 from q2q_model.identification.push.jet_deviation import affine_deviation, pushes_and_errors
 from q2q_model.identification.push.jet_form import (
     FREE_PARAMETERS,
@@ -93,7 +93,7 @@ def fit_to_altitudes(
     records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
 ) -> JetFit:
     """Return the jet fitted to altitudes under a closed loop; `solved` as in fit_to_pushes."""
-    motions, numbers = [Motion(one.t, one.pos, one.vel, one.axis) for one in records], flight_numbers(records)
+    motions, numbers = [motion_along(one) for one in records], flight_numbers(records)
     flown = [
         FlownRows([VehicleTicks(motion, i, np.arange(motion.t.size)) for i in range(motion.pos.shape[1])])
         for motion in motions

@@ -14,9 +14,9 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
-from q2q_model.identification.push.along_flight import eta_along, eta_on_vehicle
+from q2q_model.identification.push.along_flight import eta_along, eta_on_vehicle, motion_along
 from q2q_model.identification.push.push_samples import PushSamples
-from q2q_model.identification.selection.identification_data import IdentificationData, is_lower, motion_along
+from q2q_model.identification.selection.identification_data import IdentificationData, is_lower
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import GAPS, UNDER, PushSamples
 from q2q_model.signals.values import Array
 
@@ -26,11 +25,6 @@ class IdentificationData:
     def name(self) -> str:
         """Return the flight's name."""
         return self.records[0].name
-
-
-def motion_along(record: AltitudeRecord) -> Motion:
-    """Return the motion in a record."""
-    return Motion(record.t, record.pos, record.vel, record.axis)
 
 
 def every_record(flights: Sequence[IdentificationData]) -> list[AltitudeRecord]:
