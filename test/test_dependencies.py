@@ -30,7 +30,6 @@ KEYS = {
 }
 WITHOUT_KEY = {
     "backports",
-    "casadi",
     "cattrs",
     "cflib",
     "cma",
@@ -49,8 +48,6 @@ ROS_PACKAGES = {
     "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "visualization_msgs",
 }  # fmt: skip
 
-REFERENCES = {"casadi"}
-"""What only slow references and benchmarks import: scripts/setup --dev installs it."""
 DISTRIBUTIONS = {
     "backports": "backports.zstd",
     "foxglove": "foxglove-sdk",
@@ -105,7 +102,7 @@ def test_what_a_package_imports_is_pinned(package: Path):
         DISTRIBUTIONS.get(name, name).lower() for name in imports(package) & (KEYS.keys() | WITHOUT_KEY)
     }
     files = ("ros", "run", "radio", "train", "view", "campaign")
-    missing = modules - REFERENCES - pinned(*(f"{name}.txt" for name in files))
+    missing = modules - pinned(*(f"{name}.txt" for name in files))
     assert not missing, f"scripts/setup without --dev installs no version of {sorted(missing)}"
 
 

@@ -22,8 +22,8 @@ PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/*/__init__.py"))
 DECLARED = {canonicalize_name(one.name): one for one in map(Requirement, PROJECT["dependencies"])}
 OPTIONAL = [Requirement(one) for part in PROJECT["optional-dependencies"].values() for one in part]
 ON_INDEX = {"yaml": "pyyaml", "mpl_toolkits": "matplotlib", "backports": "backports-zstd"}
-APART = {"casadi", "cflib", "launch", "launch_ros", "torch"}
-"""What slow references, licences, launch file and training import; others import it where they call it."""
+APART = {"cflib", "launch", "launch_ros", "torch"}
+"""What licences, launch file and training import; others import it where they call it."""
 PINS = re.compile(r"^([A-Za-z0-9_.-]+)==([^\s+]+)", flags=re.MULTILINE)
 WITHOUT_ROS = """
 import sys
