@@ -16,6 +16,7 @@ from q2q_model.signals.values import Array
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-pedantic")
 PACKET_BYTES = 17
+"""Q2Q_PACKET_BYTES of firmware_app/q2q_app.h."""
 AppLibrary = ctypes.CDLL
 """Compiled core of an app."""
 

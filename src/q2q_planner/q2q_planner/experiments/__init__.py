@@ -1,1 +1,1 @@
-"""Random encounters under the safe replanner, for tests and benchmarks."""
+"""Random encounters and swaps in a crowded room, for tests and benchmarks."""

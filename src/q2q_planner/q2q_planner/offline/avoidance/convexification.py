@@ -33,7 +33,7 @@ SOFTEST = 0.1
 HARDEN = 0.3
 """Factor on the softness from step to step."""
 FEWEST_SAMPLES = 64
-DEEPEST = 0.2
+TOO_DEEP = 0.2
 """Depth, in radii, beyond which denser samples do not help."""
 
 
@@ -78,7 +78,7 @@ def search(problem: Problem, start: Start) -> Attempt:
         proof = certify(plan, problem.zone)
         wall_proof = prove_within(plan, problem.walls) if problem.walls else None
         attempt = Attempt(plan, proof, wall_proof, plan_cost(plan), steps)
-        if attempt.holds or proof.clearance < -DEEPEST * problem.zone.eps:
+        if attempt.holds or proof.clearance < -TOO_DEEP * problem.zone.eps:
             break
         spacing, around, softness = 0.5 * spacing, Start(np.ones_like(start.side), plan), HARD
     return attempt
