@@ -1,12 +1,12 @@
 """Arguments of the launch files: strings, as from `ros2 launch`."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from q2q_control.pid.gains_file import TUNED
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
-from q2q_sim.scenarios.choices import REPLANNERS
+from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 
 YES, NO = "true", "false"
 
@@ -28,11 +28,14 @@ AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
 FIRMWARE = Argument("firmware", STOCK, "firmware of the vehicles, which sets thrust per PWM", FIRMWARES)
 REPLAN = Argument("replan", REPLANNERS[0], "law that moves setpoints out of zones online", REPLANNERS)
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
+ROOM_MODEL = replace(MODEL, default="measured_law")
+PLAN = Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`")
+CRAZYFLIES = Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2")
 
 SCENARIO_ARGUMENTS = (
     Argument("scenario", "table6", "scenario name or file; `scripts/fly --list` names them"),
     Argument("mode", "aware", "compensate the downwash or not", ("aware", "aware_unlimited", "ignoring")),
-    Argument("controller", "pid", "controller", ("pid", "mpc")),
+    Argument("controller", "pid", "controller", CONTROLLERS),
     Argument("pace", "live", "100 Hz of wall time, or as fast as commands arrive", ("live", "lockstep")),
     Argument("seed", "0", "random seed"),
     MODEL,
@@ -42,8 +45,8 @@ SCENARIO_ARGUMENTS = (
 )
 
 ROOM_ARGUMENTS = (
-    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
-    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
+    PLAN,
+    CRAZYFLIES,
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
     Argument("vehicle", DEFAULT_VEHICLE, "vehicle constants", tuple(VEHICLES)),
     FIRMWARE,
@@ -55,7 +58,7 @@ ROOM_ARGUMENTS = (
     AWARE,
     REPLAN,
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
-    Argument("model", "measured_law", MODEL.description),
+    ROOM_MODEL,
     FOLDER,
     VIEW,
     FOXGLOVE,
@@ -68,8 +71,8 @@ COMMON_ARGUMENTS = (
 """Arguments of every launch file."""
 
 CRAZYSWARM_ARGUMENTS = (
-    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
-    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
+    PLAN,
+    CRAZYFLIES,
     Argument("vehicle", "", f"vehicle constants; empty: the twin's, or {DEFAULT_VEHICLE}", ("", *VEHICLES)),
     Argument(
         "firmware", "", f"firmware, for thrust per PWM; empty: the twin's, or {STOCK}", ("", *FIRMWARES)
@@ -83,7 +86,7 @@ CRAZYSWARM_ARGUMENTS = (
     REPLAN,
     Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
     Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
-    Argument("model", "measured_law", MODEL.description),
+    ROOM_MODEL,
     FOLDER,
     VIEW,
     FOXGLOVE,

@@ -9,7 +9,7 @@ from launch_ros.actions import Node
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from q2q_sim.launching.launch_arguments import COMMON_ARGUMENTS, YES, Argument, undeclared
 from q2q_sim.launching.launched_nodes import ENDS_ALL
-from q2q_sim.processes.processes import NodeSpec
+from q2q_sim.processes.processes import NodeSpec, plain_values
 
 
 def describe(
@@ -45,16 +45,12 @@ def _declared(one: Argument) -> DeclareLaunchArgument:
 
 
 def _node(spec: NodeSpec, names: list[tuple[str, str]], given: Mapping[str, str]) -> Node:
-    values = {
-        key: list(value) if isinstance(value, tuple) else value for key, value in spec.parameters.items()
-    }
-    kept = {key: value for key, value in values.items() if value != []}
     return Node(
         package=spec.package,
         executable=spec.executable,
         name=spec.executable,
         namespace=given["namespace"],
-        parameters=[kept | {"use_sim_time": given["use_sim_time"] == YES}],
+        parameters=[plain_values(spec.parameters) | {"use_sim_time": given["use_sim_time"] == YES}],
         remappings=[(topic, outside) for topic, outside in names if topic != outside],
         output="screen",
         on_exit=Shutdown(reason=f"{spec.executable} has ended") if spec.executable in ENDS_ALL else None,

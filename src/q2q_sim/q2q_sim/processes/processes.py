@@ -144,16 +144,17 @@ class Processes:
 def parameter_sections(spec: NodeSpec) -> dict[str, object]:
     """Return the parameter file of a process: one section, or one for each of its nodes."""
     if not spec.inside:
-        return {"/**": {"ros__parameters": _plain(spec.parameters)}}
+        return {"/**": {"ros__parameters": _nested(plain_values(spec.parameters))}}
     return {
-        f"/**/{one.executable}": {"ros__parameters": _plain(one.parameters)} for one in (spec, *spec.inside)
+        f"/**/{one.executable}": {"ros__parameters": _nested(plain_values(one.parameters))}
+        for one in (spec, *spec.inside)
     }
 
 
-def _plain(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
+def plain_values(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
     """Return plain values for YAML, without empty lists, whose type ROS cannot infer."""
     lists = {key: list(value) if isinstance(value, tuple) else value for key, value in parameters.items()}
-    return _nested({key: value for key, value in lists.items() if value != []})
+    return {key: value for key, value in lists.items() if value != []}
 
 
 def _nested(flat: Mapping[str, object]) -> dict[str, object]:
