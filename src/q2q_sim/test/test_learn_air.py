@@ -10,12 +10,12 @@ from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_je
 from threadpoolctl import threadpool_limits
 
 from q2q_model.identification.push.along_flight import Motion
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, ROTOR_RADIUS
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
 from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
-from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push_in_table
+from q2q_sim.air.learning.jet.jet_table import push_in_table
 from q2q_sim.air.learning.jet.jet_term import jet_alone, jet_term
 from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
 from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup, held_out_groups

@@ -14,6 +14,7 @@ from functools import partial
 from q2q_model.commands.argument_types import output_file, positive_number
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
 from q2q_model.model_files.model_names import check_model_name
+from q2q_model.vehicle.constants import NEURAL_SWARM_MASS, ROTOR_RADIUS
 
 EXAMPLE = """  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 --out b.q2q
   ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 \\
@@ -48,8 +49,13 @@ def parser() -> CommandLine:
     size(
         "--below-rotor-radius", metavar="M", help="rotor radius of the vehicle below (default: the source's)"
     )
-    size("--flown-mass", default=0.032, metavar="KG", help="mass of the vehicles of --model")
-    size("--flown-rotor-radius", default=0.0225, metavar="M", help="rotor radius of the vehicles of --model")
+    size("--flown-mass", default=NEURAL_SWARM_MASS, metavar="KG", help="mass of the vehicles of --model")
+    size(
+        "--flown-rotor-radius",
+        default=ROTOR_RADIUS,
+        metavar="M",
+        help="rotor radius of the vehicles of --model",
+    )
     return made
 
 

@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.tunable import check_bounds, tunable
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.vehicle.constants import GRAVITY, NEURAL_SWARM_MASS, ROTOR_RADIUS
 
 AIR_DENSITY = 1.2
 """rho [kg/m^3], at 20 degrees and sea level."""
@@ -40,8 +40,8 @@ SCALING_STD = 0.2
 class QuadrotorSize:
     """Mass of a quadrotor and the size of its rotors."""
 
-    mass: float = tunable(0.032, "take-off mass", unit="kg", low=1e-3, high=100.0)
-    rotor_radius: float = tunable(0.0225, "radius of a rotor", unit="m", low=1e-3, high=1.0)
+    mass: float = tunable(NEURAL_SWARM_MASS, "take-off mass", unit="kg", low=1e-3, high=100.0)
+    rotor_radius: float = tunable(ROTOR_RADIUS, "radius of a rotor", unit="m", low=1e-3, high=1.0)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -59,7 +59,7 @@ class QuadrotorSize:
 
 
 CRAZYFLIE = QuadrotorSize()
-"""Crazyflie 2.1 with a marker and a micro-SD deck (flights of Neural-Swarm2), rotors of 45 mm."""
+"""Crazyflie 2.1 of the flights of Neural-Swarm2."""
 
 
 def scaled_jet(jet: Jet, known: QuadrotorSize, new: QuadrotorSize, below: QuadrotorSize | None = None) -> Jet:

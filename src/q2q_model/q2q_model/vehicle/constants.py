@@ -30,6 +30,13 @@ GRAVITY = 9.81
 CONTACT = 0.14
 """Distance at which two Crazyflies 2 touch [m]: twice 46 mm of arm and 23 mm of propeller."""
 
+ROTOR_RADIUS = 0.0225
+"""Radius of a rotor of the Crazyflie 2.0 and 2.1 [m]: propellers of 45 mm (Bitcraze)."""
+
+NEURAL_SWARM_MASS = 0.032
+"""Mass of the Crazyflies 2.1 of the public flights of Neural-Swarm2 (T-RO 2021), with a marker and a micro-SD
+deck [kg]."""
+
 SMALLEST = nextafter(0.0, 1.0)
 """Smallest number above 0."""
 

@@ -31,10 +31,10 @@ from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, CommandStatus, Mask, Names
-from q2q_model.vehicle.constants import Vehicle
+from q2q_model.vehicle.constants import NEURAL_SWARM_MASS, Vehicle
 
-LOG_MASS = 0.032
-"""Mass m in the logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021) [kg]."""
+LOG_MASS = NEURAL_SWARM_MASS
+"""Mass m in the logs of the flights of Neural-Swarm2 [kg]."""
 LOG_MASS_WITHIN = 0.0005
 """What the mass that such a log shows may differ from LOG_MASS by [kg]: 0.0003 at most."""
 MOST_FORCE = 2.0

@@ -14,8 +14,8 @@ import numpy as np
 
 from q2q_model.identification.push.push_samples import APART, FLOOR
 from q2q_model.signals.values import Array, Mask
+from q2q_model.vehicle.constants import ROTOR_RADIUS
 from q2q_sim.air.air_terms import ON_THE_GROUND, GroundTerm
-from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
 from q2q_sim.air.learning.records.air_record import AirRecord, rows_alone
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, slope_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.vehicle.constants import GRAVITY, ROTOR_RADIUS
 from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet.jet_splines import spline_values
 
@@ -30,8 +30,6 @@ ORIGIN = (0.05, 1.0)
 """Bounds of the virtual origin [m]: a rotor's diameter, the height of the flights."""
 NEARBY = 0.1
 """Height over which the decay on the axis is taken [m]."""
-ROTOR_RADIUS = 0.0225
-"""Propeller of a Crazyflie 2.x [m]: 45 mm in diameter (Bitcraze)."""
 
 
 def push_table(beta: Array, flown: tuple[float, float]) -> Array:
