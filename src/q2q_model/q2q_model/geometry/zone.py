@@ -13,6 +13,9 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 
+LARGEST = 100.0
+"""Bound of eps and d [m]: beyond any flight room."""
+
 
 class Zone(Protocol):
     """Set of relative positions with harmful downwash, and its distance function."""
@@ -29,6 +32,10 @@ class Cylinder:
     """Radius [m]; section 3.1: the rotor discs do not overlap beyond 92 mm."""
     d: float = 1.1
     """Half height [m]; section 3.1, from the decay of dev."""
+
+    def __post_init__(self) -> None:
+        """Check the size."""
+        _check_size(self)
 
     def signed_distance(self, rel_pos: Array) -> Array:
         """Return the distance to the cylinder's surface [m], (...,), negative inside."""
@@ -49,9 +56,7 @@ class Ellipsoid:
 
     def __post_init__(self) -> None:
         """Check the semi-axes."""
-        for name, value in (("eps", self.eps), ("d", self.d)):
-            if not 0.0 < value < 100.0:
-                raise ValueError(f"Ellipsoid.{name} = {value}: allowed is 0 to 100 m, exclusive")
+        _check_size(self)
 
     @classmethod
     def around(cls, cylinder: Cylinder) -> "Ellipsoid":
@@ -84,3 +89,12 @@ class Ellipsoid:
             beyond = (a * p / (t + a * a)) ** 2 + (c * q / (t + c * c)) ** 2 > 1.0
             low, high = np.where(beyond, t, low), np.where(beyond, high, t)
         return a * a * p / (high + a * a), c * c * q / (high + c * c)
+
+
+def _check_size(zone: Cylinder | Ellipsoid) -> None:
+    """Raise ValueError for a zone without extent, or one larger than any room."""
+    for name, value in (("eps", zone.eps), ("d", zone.d)):
+        if not 0.0 < value < LARGEST:
+            raise ValueError(
+                f"{type(zone).__name__}.{name} = {value}: allowed is 0 to {LARGEST:g} m, exclusive"
+            )
