@@ -48,6 +48,18 @@ def test_velocity_and_acceleration_are_the_derivatives_of_position(seed: int, sh
     assert (after.vel - before.vel) / (2 * h) == pytest.approx(here.acc, abs=1e-3 + jerk_bound * h)
 
 
+def test_a_curve_of_many_pieces_has_not_come_to_rest_at_its_own_duration() -> None:
+    """A sum of twelve lengths depends on its order in the last bit; the pieces end at the running one."""
+    generator = np.random.default_rng(0)
+    for _ in range(100):
+        lengths = generator.uniform(0.1, 3.0, 12)
+        steady = np.zeros((12, 4, 2))
+        steady[:, 0, 0], steady[:, 0, 1] = np.cumsum(lengths) - lengths, 1.0
+        line = Trajectory(lengths, steady)
+        assert line.at(np.array([line.duration]), 1)[0, 0] == 1.0
+        assert setpoint_at(SwarmPlan(("cf1",), (line,)), line.duration).vel[0, 0] == 1.0
+
+
 def test_a_plan_rests_before_its_start_and_after_each_end() -> None:
     line = Trajectory(np.array([2.0]), np.array([[[1.0, 3.0], [0.0, 0.0], [0.0, -1.0], [0.5, 0.25]]]))
     still = Trajectory(np.array([4.0]), np.zeros((1, 4, 2)))

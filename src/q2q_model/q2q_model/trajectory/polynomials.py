@@ -44,8 +44,8 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
-        """Return the duration [s]."""
-        return float(self.durations.sum())
+        """Return the end of the last piece [s]."""
+        return float(np.cumsum(self.durations)[-1])
 
     def at(self, t: Array, derivative: int = 0) -> Array:
         """Return xi or a derivative of it at times t (...,) [s] from the plan's start: (..., 4)."""
@@ -146,7 +146,7 @@ def _side_by_side(trajectories: tuple[Trajectory, ...]) -> _Table:
         pieces = len(trajectory.durations)
         starts[row, 1:pieces] = np.cumsum(trajectory.durations)[:-1]
         coefficients[row, :pieces, :, : trajectory.coefficients.shape[-1]] = trajectory.coefficients
-    duration = np.array([np.cumsum(trajectory.durations)[-1] for trajectory in trajectories])
+    duration = np.array([trajectory.duration for trajectory in trajectories])
     status = np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8)
     status.flags.writeable = False
     return _Table(starts, duration, coefficients, status)
