@@ -7,7 +7,7 @@ from pathlib import Path
 
 from q2q_model.commands.argument_paths import require_apart, require_existing
 from q2q_model.commands.argument_types import output_file, positive_number
-from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, given_options, run_command
 from q2q_model.commands.recording_options import add_recording_options
 from q2q_model.model_files.model_names import check_model_name
 
@@ -45,14 +45,12 @@ def _prepare(args: Namespace) -> Work:
 
 def _refuse_other_mode(args: Namespace) -> None:
     """Raise UsageError for an option that is given and has no effect in this mode."""
-    given = [word.partition("=")[0] for word in args.argv]
-    for option in (one for one in (OF_BAGS if args.live else OF_LIVE) if one in given):
-        needs = (
-            "bags of recorded flights, not --live" if args.live else "--live, not bags of recorded flights"
-        )
-        raise UsageError(f"{option} needs {needs}")
+    needs = "bags of recorded flights, not --live" if args.live else "--live, not bags of recorded flights"
+    other = OF_BAGS if args.live else OF_LIVE
+    if wrong := [option for option in given_options(args) if option in other]:
+        raise UsageError(f"{wrong[0]} needs {needs}")
     if not args.live and (words := [word for word in PARAMETERS if word in args.ros_argv]):
-        raise UsageError(f"--ros-args {words[0]} needs --live, not bags of recorded flights")
+        raise UsageError(f"--ros-args {words[0]} needs {needs}")
 
 
 def _require_apart(args: Namespace) -> None:
