@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Mask, Rows
+from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, length
 from q2q_planner.online.safe.followed_reference import (
@@ -108,10 +108,9 @@ def traffic_at(
     external, own = _external_rows(states, params), len(committed.names)
     swarm = TrafficRows(committed.rows.pos, committed.rows.vel, growth)
     limits = limits_of(params, committed.dt)
-    put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits)
-    rows = committed.rows._replace(pos=pos[:own], vel=vel[:own], on_reference=put)
-    table = TrafficTable(own, TrafficRows(pos, vel, grown), external.certain, Pairs(i, j))
-    return committed.with_rows(rows), table
+    put, there, pairs = _placed(committed.rows, reference, swarm, external.rows, limits)
+    rows = committed.rows._replace(pos=there.pos[:own], vel=there.vel[:own], on_reference=put)
+    return committed.with_rows(rows), TrafficTable(own, there, external.certain, pairs)
 
 
 @compiled
@@ -121,31 +120,31 @@ def _placed(
     swarm: TrafficRows,
     external: TrafficRows,
     limits: TrafficLimits,
-) -> tuple[Mask, Array, Array, Array, Rows, Rows]:
+) -> tuple[Mask, TrafficRows, Pairs]:
     """Return who is put onto its reference (own,), and the rows and pairs of the table."""
     own = rows.hold.size
     pos, vel = np.concatenate((rows.pos, external.pos)), np.concatenate((rows.vel, external.vel))
-    growth = np.concatenate((swarm.growth, external.growth))
+    there = TrafficRows(pos, vel, np.concatenate((swarm.growth, external.growth)))
     near, stays = near_rows(rows, reference), rows.on_reference
     if limits.jerk_limited:
         near = near & followed_rows(rows, reference, limits.follow)
         stays = stays & near
     put = near | stays
-    _put(pos, vel, rows, reference, put)
-    pairs = interacting_pairs(own, TrafficRows(pos, vel, growth), limits)
+    _put(there, rows, reference, put)
+    pairs = interacting_pairs(own, there, limits)
     if np.any(rows_in_pairs(pairs, len(pos))[:own] & put & ~near):
         put = near
-        _put(pos, vel, rows, reference, put)
-        pairs = interacting_pairs(own, TrafficRows(pos, vel, growth), limits)
-    return put, pos, vel, growth, pairs.i, pairs.j
+        _put(there, rows, reference, put)
+        pairs = interacting_pairs(own, there, limits)
+    return put, there, pairs
 
 
 @compiled
-def _put(pos: Array, vel: Array, rows: MotionRows, reference: ReferenceRows, put: Mask) -> None:
+def _put(there: TrafficRows, rows: MotionRows, reference: ReferenceRows, put: Mask) -> None:
     """Write the swarm's positions and velocities: those of the reference where a vehicle is put onto it."""
     for row in range(put.size):
-        pos[row] = reference.pos[row] if put[row] else rows.pos[row]
-        vel[row] = reference.vel[row] if put[row] else rows.vel[row]
+        there.pos[row] = reference.pos[row] if put[row] else rows.pos[row]
+        there.vel[row] = reference.vel[row] if put[row] else rows.vel[row]
 
 
 @compiled

@@ -44,15 +44,14 @@ def decide(
 ) -> tuple[CommittedMotion, Decision]:
     """Return the motion that the swarm commits to, and what else is decided."""
     bounds = _Bounds(params.hold, params.acc_max, params.speed_max, params.jerk_max > 0.0)
-    rows, (acc, outside) = _decided(committed.rows, desired, choice, pairs, bounds)
-    return committed.with_rows(rows), Decision(acc, outside)
+    rows, decision = _decided(committed.rows, desired, choice, pairs, bounds)
+    return committed.with_rows(rows), decision
 
 
 @compiled
 def _decided(
     rows: MotionRows, desired: DesiredMotion, choice: Choices, pairs: Pairs, bounds: _Bounds
-) -> tuple[MotionRows, tuple[Array, Mask]]:
-    """Return the committed motion, and the fields of the decision."""
+) -> tuple[MotionRows, Decision]:
     motion = _committed(rows, desired, choice, bounds.hold)
     return motion, _decision(motion, pairs, bounds)
 
@@ -71,7 +70,7 @@ def _committed(rows: MotionRows, desired: DesiredMotion, choice: Choices, held: 
 
 
 @compiled
-def _decision(rows: MotionRows, pairs: Pairs, bounds: _Bounds) -> tuple[Array, Mask]:
+def _decision(rows: MotionRows, pairs: Pairs, bounds: _Bounds) -> Decision:
     own, acc = rows.hold.size, rows.acc.copy()
     outside = np.zeros(own, np.bool_)
     for row in range(own):
@@ -85,4 +84,4 @@ def _decision(rows: MotionRows, pairs: Pairs, bounds: _Bounds) -> tuple[Array, M
     for row in range(pairs.i.size):
         if bounds.jerk_limited and pairs.j[row] >= own:
             outside[pairs.i[row]] = True
-    return acc, outside
+    return Decision(acc, outside)
