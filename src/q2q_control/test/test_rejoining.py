@@ -117,6 +117,21 @@ def test_a_clock_that_is_set_back_takes_it_no_further_than_to_where_it_began() -
     np.testing.assert_allclose(back.pos[0, :2], plan_at(0.6).pos[0, :2] + [begun, 0.0], atol=1e-12)
 
 
+@pytest.mark.parametrize("pos", [np.inf, 1e200])
+def test_it_is_not_led_to_where_no_controller_flies(pos: float) -> None:
+    led, here = Rejoining(), state_of(np.zeros(2), np.zeros(2))
+    led.update(plan_at(0.0), here, GONE)
+    plan = replace(plan_at(TICK), pos=np.array([[pos, 0.0, 1.0]]))
+    assert led.update(plan, here, NOBODY) is plan
+
+
+def test_it_is_not_led_by_a_velocity_that_is_no_number() -> None:
+    led, here = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
+    led.update(plan_at(0.0), here, GONE)
+    plan = replace(plan_at(TICK), vel=np.array([[np.nan, 0.0, 0.0]]))
+    assert led.update(plan, here, NOBODY) is plan
+
+
 def test_who_leaves_the_setpoints_is_not_led() -> None:
     led, far = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
     led.update(plan_at(0.0), far, GONE)

@@ -23,6 +23,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from q2q_control.inputs.alignment import LARGEST_VALUE
 from q2q_control.inputs.shifted_setpoint import QuinticShift, ShiftedSetpoint
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
@@ -68,14 +69,17 @@ class Rejoining:
 
 
 def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> QuinticShift | None:
-    """Return the shift that begins where a vehicle is measured; None if that is near its setpoint."""
+    """Return the shift from where a vehicle is measured; None if its setpoint is near, or not plausible."""
     row, mine = setpoint.names.index(name), state.names.index(name)
     pos = state.pos[mine, :2] - setpoint.pos[row, :2]
     far, own = float(np.hypot(*pos)), state.vel[mine, :2]
-    if not far > FAR:
+    if not FAR < far < LARGEST_VALUE:
         return None
     vel = own - max(float(own @ pos), 0.0) / far**2 * pos - setpoint.vel[row, :2]
-    return QuinticShift(setpoint.t, _least_time(far, float(np.hypot(*vel))), pos, vel)
+    fast = float(np.hypot(*vel))
+    if not fast < LARGEST_VALUE:
+        return None
+    return QuinticShift(setpoint.t, _least_time(far, fast), pos, vel)
 
 
 def _least_time(far: float, fast: float) -> float:
