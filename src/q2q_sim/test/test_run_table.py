@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
+from q2q_model.plain_console import plain_console
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import FlightVerdict
@@ -18,18 +18,18 @@ LONG = tuple(f"crazyflie_number_{each}_of_the_great_western_laboratory" for each
 NUMBERS = ("0.0226", "0.0471", "0.564", "-0.0286", "0.358", "0.0176")
 
 
-def words(names: tuple[str, ...], width: int) -> list[str]:
+def words(names: tuple[str, ...], width: int, scenario: str = "table6") -> list[str]:
     """Return the words of a table that is printed in a terminal of some width."""
     one = VehicleMetrics(0.0226, 0.0471, 0.564, -0.0286, 0.358, 0.0, 0.0, 0.0)
     run = FlightRun(
-        FlightRequest("table6"),
+        FlightRequest(scenario),
         FlightRecording(names, 1).flight("made"),
         FlightMetrics(dict.fromkeys(names, one), 0.0176, 0.0),
         FlightTiming(0, 0, None, None, None),
         Path("bag"),
         FlightVerdict(10.0),
     )
-    console = Console(width=width)
+    console = plain_console(width=width)
     with console.capture() as printed:
         console.print(run_table([run], width))
     lines = printed.get().splitlines()
@@ -54,3 +54,7 @@ def test_a_long_name_is_broken_and_not_cut(width: int) -> None:
 
 def test_a_row_for_each_vehicle_where_it_fits() -> None:
     assert words(SHORT, 80)[-16:-8] == ["aware", "cf1", *NUMBERS]
+
+
+def test_the_path_of_a_scenario_is_printed_as_it_is() -> None:
+    assert words(SHORT, 80, "sc[red].yaml")[:2] == ["sc[red].yaml,", "pid"]

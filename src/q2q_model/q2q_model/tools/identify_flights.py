@@ -17,6 +17,7 @@ from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import save
+from q2q_model.plain_console import plain_console
 from q2q_model.recordings.bag_vehicle import common_vehicle
 from q2q_model.recordings.recordings_of_bags import bags_among, recordings_of_bags, topic_map
 from q2q_model.tools.identify_report import report, summary
@@ -31,7 +32,7 @@ def run(args: Namespace) -> int:
     if args.live:
         return _refine_online(args.model, args.vehicle, args.out)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
-        found, seconds = _run(args, Console(stderr=True))
+        found, seconds = _run(args, plain_console(stderr=True))
     report_file = args.json or args.out.with_suffix(".json")
     write_json(_as_json(found, seconds), report_file)  # first: it says why a model is refused
     save(args.out, found.file)
@@ -106,10 +107,10 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         recordings, repairs = recordings_of_bags(kept, topic_map(args.topics))
         for flight in (one.flight for one in recordings):
             if doubt := y_up_reason(flight.mocap_pos):
-                progress.console.print(f"identify: flight {flight.name}: {doubt}", highlight=False)
+                progress.console.print(f"identify: flight {flight.name}: {doubt}")
         notes = [*(f"repaired: {repair}" for repair in repairs), *left_out, *filter(None, [flown.note])]
         for note in notes:  # first: an error may follow from them
-            progress.console.print(f"identify: {note}", highlight=False, soft_wrap=True)
+            progress.console.print(f"identify: {note}", soft_wrap=True)
         return identify(recordings, _params(args, flown.vehicle), steps.begin), steps.finish()
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, JustifyMethod
-from rich.markup import escape
+from rich.console import JustifyMethod
 from rich.table import Table
 
 from q2q_model.counted import counted
+from q2q_model.plain_console import plain_console
 from q2q_sim.monitors.flight_verdict import verdict_line
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.flight_run import FlightRun
@@ -43,15 +43,15 @@ def run_grid(runs: Sequence[FlightRun]) -> Grid:
 
 
 def run_table(runs: Sequence[FlightRun], width: int) -> Table:
-    """Return the table for a terminal of some width: a row for each vehicle, or one for each number.
+    """Return the table for a plain console of some width: a row for each vehicle, or one for each number.
 
     Long names of vehicles are broken; numbers never are.
     """
     grid, flown = run_grid(runs), runs[0].request
     named = [(mode, name[:LEAST_NAME], *numbers) for mode, name, *numbers in grid.rows]
-    least = Console(width=UNBOUNDED).measure(_row_table(Grid(grid.head, named))).maximum
+    least = plain_console(width=UNBOUNDED).measure(_row_table(Grid(grid.head, named))).maximum
     table = _row_table(grid) if least <= width else _column_table(grid)
-    table.title, table.title_justify = escape(f"{flown.scenario}, {flown.controller}"), "left"
+    table.title, table.title_justify = f"{flown.scenario}, {flown.controller}", "left"
     return table
 
 
@@ -60,9 +60,9 @@ def _row_table(grid: Grid) -> Table:
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for position, column in enumerate(grid.head):
         justify: JustifyMethod = "left" if position < 2 else "right"
-        table.add_column(escape(column), justify=justify, no_wrap=column != "vehicle", overflow="fold")
+        table.add_column(column, justify=justify, no_wrap=column != "vehicle", overflow="fold")
     for row in grid.rows:
-        table.add_row(*map(escape, row))
+        table.add_row(*row)
     return table
 
 
@@ -73,7 +73,7 @@ def _column_table(grid: Grid) -> Table:
         table.add_column(overflow="fold")
     for row in grid.rows:
         for column, cell in zip(grid.head, row, strict=True):
-            table.add_row(escape(column.replace("\n", " ")), escape(cell))
+            table.add_row(column.replace("\n", " "), cell)
         table.add_row()
     return table
 

@@ -6,10 +6,10 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from q2q_model.documents.json_file import write_json
+from q2q_model.plain_console import plain_console
 from q2q_model.vehicle.constants import Vehicle, firmware_of
 from q2q_sim.faults.faults import late_fault_notes
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
@@ -50,10 +50,10 @@ def print_verdict(runs: Sequence[FlightRun]) -> int:
 
 def print_flights(runs: Sequence[FlightRun]) -> None:
     """Print the table of some flights, and their timing."""
-    console = Console()
+    console = plain_console()
     console.print(run_table(runs, console.width))
     for note in run_notes(runs):
-        console.print(note, highlight=False)
+        console.print(note)
 
 
 def request_of(args: Namespace) -> FlightRequest:
@@ -113,8 +113,9 @@ def fly_with_progress(
     request: FlightRequest, folder: Path, bag: Path, interruption: Interruption
 ) -> FlightRun:
     """Fly with a progress bar on the terminal; a signal ends the flight."""
-    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    words = TextColumn("{task.description}", markup=False)
+    columns = words, BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=plain_console(stderr=True)) as bar:
         task = bar.add_task(f"{request.scenario} {request.mode}", total=1.0)
 
         def follow(share: float) -> None:

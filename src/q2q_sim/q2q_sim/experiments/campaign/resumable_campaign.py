@@ -11,6 +11,7 @@ from rich.table import Table
 
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
+from q2q_model.plain_console import plain_console
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
@@ -85,9 +86,9 @@ def _reject_other_air(log: Path, runs: Sequence[RunOutcome], air: str) -> None:
 def print_violation(outcome: RunOutcome, console: Console) -> None:
     """Print a run that violated a policy."""
     if outcome.violations:
-        console.print(f"seed {outcome.seed}: {outcome.what}", highlight=False)
+        console.print(f"seed {outcome.seed}: {outcome.what}")
         for one in outcome.violations:
-            console.print(f"    {one}", highlight=False)
+            console.print(f"    {one}")
 
 
 def print_campaign(flown: Sequence[RunOutcome], seconds: float) -> None:
@@ -101,13 +102,12 @@ def print_campaign(flown: Sequence[RunOutcome], seconds: float) -> None:
     for policy, count in counts.items() if isinstance(counts, dict) else ():
         table.add_row(policy, str(count))
     table.add_row("any", str(total["violations"]))
-    Console().print(table)
+    plain_console().print(table)
     if total["seeds_of_violations"]:
         print(f"seeds of violations: {total['seeds_of_violations']}")
 
 
 def _bar() -> Progress:
     words = TextColumn("{task.description}, violations {task.fields[violations]}")
-    return Progress(
-        words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=Console(stderr=True)
-    )
+    console = plain_console(stderr=True)
+    return Progress(words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console)
