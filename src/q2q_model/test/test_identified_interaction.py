@@ -31,6 +31,7 @@ from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import SwarmState
+from q2q_model.tools.identify_report import summary
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -68,6 +69,17 @@ def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():
     assert truth.mse_m2.lower is not None
     assert nothing.mse_m2.lower is not None
     assert truth.mse_m2.lower < 0.05 * nothing.mse_m2.lower
+
+
+def test_a_score_says_whether_it_is_of_downwash_or_of_altitude():
+    """Without measured pushes R2 is the share of the altitudes' mean square that downwash explains."""
+    poses_only = [replace(one, pushes=()) for one in identification_data()]
+    truth, none = (score_on(model, poses_only, LOOP) for model in (PAPER_LAW, NoInteraction()))
+    assert truth.r2_of == "altitude deviation"
+    assert score_on(PAPER_LAW, identification_data(), LOOP).r2_of == "downwash"
+    assert truth.mse_m2.lower is not None
+    assert none.mse_m2.lower is not None
+    assert truth.r2.lower == pytest.approx(1.0 - truth.mse_m2.lower / none.mse_m2.lower, abs=1e-12)
 
 
 def test_held_out_flights_are_scored_by_a_model_that_has_not_seen_them():
@@ -112,6 +124,7 @@ def test_identify_goes_from_flights_to_a_model_that_holds():
     assert f"d = {found.zone.d:.2f} m lies beyond the largest gap flown, 0.8" in extent  # 0.7 m, and the push
     assert steps[0] == "records"
     assert steps[-1] == "final fit"
+    assert f"R2 {found.held_out.r2.lower:.3f} of the lower vehicle's downwash\n" in summary(found)
 
 
 def test_the_largest_gap_flown_is_one_beyond_the_scoring_rule_too():
@@ -155,6 +168,7 @@ def test_flights_without_commands_still_give_a_model_and_a_remark():
     found = identify([Recording(one) for one in blind], params, lambda _: None)
     assert any("gains are from trajectories" in remark for remark in found.remarks)
     assert not any(one.pushes for one in found.data)
+    assert f"R2 {found.held_out.r2.lower:.3f} of the lower vehicle's altitude deviation\n" in summary(found)
     assert found.file.fit is not None
     assert found.file.fit.train_mse_m2.lower is not None
     assert found.file.fit.train_mse_m2.lower < 1.13e-3  # the paper's, section 3.2

@@ -48,6 +48,7 @@ def test_the_report_holds_what_its_contract_names(found: Path):
     assert model["type"] == "jet"
     assert model["parameters"] <= 200
     assert model["heldout_r2"]["lower"] > 0.9
+    assert model["r2_of"] == "downwash"
     assert model["heldout_mse_m2"]["lower"] < 1.13e-3  # the paper's training errors, section 3.2
     assert model["heldout_mse_m2"]["upper"] < 1.87e-3
     assert {"strength", "width", "upper_ratio"} <= set(model["intervals"])

@@ -44,6 +44,7 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
             "name": found.chosen.name,
             "parameters": found.chosen.parameters,
             "train_mse_m2": _roles(found.train.mse_m2),
+            "r2_of": found.train.r2_of,
             "train_r2": _roles(found.train.r2),
             "heldout_mse_m2": _roles(found.held_out.mse_m2),
             "heldout_r2": _roles(found.held_out.r2),
@@ -86,7 +87,9 @@ def summary(found: Identification) -> str:
         )
     lines.append(f"model: {found.chosen.name} ({counted(found.chosen.parameters, 'parameter')})")
     if held.r2.lower is not None:
-        lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's downwash")
+        lines.append(
+            f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's {held.r2_of}"
+        )
     lines += [f"  {name} {_ranged(one, UNITS.get(name, ''))}" for name, one in found.spread]
     if found.loading is not None:
         lines.append(f"loading {_ranged(found.loading)}: {usable_loading(found.loading):.2f} is used")

@@ -9,6 +9,7 @@ Each fold of flights is scored by the model fitted on the others, with two score
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -24,6 +25,8 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 MOST_FOLDS = 3
 """Most folds; each costs a fit to at least two thirds of the flights."""
 
+R2Quantity = Literal["downwash", "altitude deviation"]
+"""Quantity that R2 is of: the measured downwash, or altitude where no downwash was measured."""
 Fitter = Callable[[Sequence[IdentificationData]], InteractionModel]
 
 
@@ -33,10 +36,11 @@ class Score:
 
     mse_m2: RoleScores
     r2: RoleScores
+    r2_of: R2Quantity = "downwash"
 
     @property
     def unexplained(self) -> float:
-        """Return the unexplained share of the lower vehicle's downwash, which selection minimises."""
+        """Return the unexplained share of the lower vehicle's `r2_of`, which selection minimises."""
         return 1.0 - self.r2.lower if self.r2.lower is not None else float("inf")
 
 
@@ -92,6 +96,7 @@ def _score(parts: Sequence[_Sums]) -> Score:
     altitude = np.sum([part.altitude for part in parts], axis=0)
     push = np.sum([part.push for part in parts], axis=0)
     mse = [float(a[0] / a[2]) if a[2] > 0.0 else None for a in altitude]
-    known = push if push[0, 1] > 0.0 else altitude[:, :2]
-    r2 = [float(1.0 - a[0] / a[1]) if a[1] > 0.0 else None for a in known]
-    return Score(RoleScores(*mse), RoleScores(*r2))
+    r2_of: R2Quantity = "downwash" if push[0, 1] > 0.0 else "altitude deviation"
+    sums = push if r2_of == "downwash" else altitude[:, :2]
+    r2 = [float(1.0 - a[0] / a[1]) if a[1] > 0.0 else None for a in sums]
+    return Score(RoleScores(*mse), RoleScores(*r2), r2_of)
