@@ -5,7 +5,7 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from q2q_model.ros.topics.messages import header_at, pose_message
-from q2q_sim.view.shapes import Scene, Shape, ShapeKind
+from q2q_sim.view.shapes import ARROW_HEAD, Scene, Shape, ShapeKind
 
 TYPES = {
     ShapeKind.BOX: Marker.CUBE,
@@ -16,8 +16,6 @@ TYPES = {
 }
 BY_POINTS = (ShapeKind.ARROW, ShapeKind.LINE)
 """Shapes drawn by points, not by a pose."""
-HEAD = 2.0
-"""Width of an arrow's head over its shaft's."""
 
 
 def marker_array(scene: Scene, stamp_ns: int) -> MarkerArray:
@@ -46,4 +44,4 @@ def _marker(shape: Shape, header: Header) -> Marker:
 
 def _scale(shape: Shape) -> Vector3:
     x, y, z = shape.size
-    return Vector3(x=x, y=HEAD * x, z=0.0) if shape.kind == ShapeKind.ARROW else Vector3(x=x, y=y, z=z)
+    return Vector3(x=x, y=ARROW_HEAD * x, z=0.0) if shape.kind == ShapeKind.ARROW else Vector3(x=x, y=y, z=z)

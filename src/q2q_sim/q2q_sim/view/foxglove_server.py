@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from q2q_model.signals.stamps import stamp_parts
 from q2q_model.signals.values import Three
-from q2q_sim.view.shapes import Scene, Shape, ShapeKind, arrow_quat
+from q2q_sim.view.shapes import ARROW_HEAD, Scene, Shape, ShapeKind, arrow_quat
 
 if TYPE_CHECKING:
     from foxglove import messages
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 LOOPBACK = "127.0.0.1"
 TOPIC = "/scene"
 WORLD = "world"
-HEAD_LENGTH, HEAD = 0.05, 2.0
-"""Length of an arrow's head [m], its width over the shaft's."""
+HEAD_LENGTH = 0.05
+"""Length of an arrow's head [m]."""
 
 
 class FoxgloveScene:
@@ -124,7 +124,7 @@ class FoxgloveScene:
             shaft_length=length - head,
             shaft_diameter=width,
             head_length=head,
-            head_diameter=HEAD * width,
+            head_diameter=ARROW_HEAD * width,
             color=colour,
         )
 

@@ -10,6 +10,8 @@ Colour = tuple[float, float, float, float]
 """Red, green, blue, opacity, 0 to 1."""
 Quat = tuple[float, float, float, float]
 """x y z w."""
+ARROW_HEAD = 2.0
+"""Width of an arrow's head over its shaft's [-]."""
 
 
 class ShapeKind(IntEnum):
