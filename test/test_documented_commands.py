@@ -53,7 +53,7 @@ ELSEWHERE: Mapping[str, str] = {
     "ros2 run q2q_model evaluate --model model.q2q ROOM": "the reader's own bags; test_identify_foreign",
     "ros2 run q2q_sim report ROOM_BAG": "the reader's own bags; test_report_topics",
     "ros2 run q2q_sim bag_play --ros-args -p bag:=ROOM_BAG": "the reader's own bags; test_foreign_bags",
-    "ros2 run q2q_sim policies BAG...": "the reader's own bags; test_policies",
+    "ros2 run q2q_sim policies BAG...": "the reader's own bags; test_judged_bags",
     "export ROS_DOMAIN_ID=77": "two hosts: test_two_hosts, where namespaces can be made",
     "scripts/secure": "needs a middleware with DDS security; test_access_policy",
     "export ROS_SECURITY_ENABLE": "needs a middleware with DDS security; test_access_policy",

@@ -1,0 +1,57 @@
+"""Policies of commands: thrust, tilt and numbers, in one message or in several."""
+
+import numpy as np
+import pytest
+from changed_flights import AROUND, SCENARIO, broken, changed, one_each, received, with_row
+
+from q2q_model.signals.values import (
+    SwarmCommand,
+)
+from q2q_sim.monitors.policies import (
+    judge,
+    trace_of,
+)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "policy"),
+    [
+        ("thrust", SCENARIO.vehicle.thrust_max * 1.01, "thrust"),
+        ("thrust", -0.001, "thrust"),
+        ("roll", 0.37, "tilt"),
+        ("pitch", -0.37, "tilt"),
+        ("yaw_rate", np.nan, "numbers"),
+        ("thrust", np.inf, "numbers"),
+    ],
+)
+def test_a_command_out_of_bounds_breaks_its_policy(column: str, value: float, policy: str) -> None:
+    found = broken(changed(SwarmCommand, 3.0, 3.01, **{column: with_row(2, value)}))
+    assert policy in found
+    assert found <= {policy, "thrust"}
+
+
+def test_commands_in_one_message_for_each_vehicle_are_judged_as_those_in_one_for_all() -> None:
+    bad = changed(SwarmCommand, 3.0, 4.0, thrust=with_row(0, -0.5), roll=with_row(0, 1.5))
+    recorded = [bad(one) for one in received()]
+    whole, parts = trace_of(recorded), trace_of(one_each(recorded))
+    np.testing.assert_array_equal(parts.thrust, whole.thrust)
+    assert judge(parts, AROUND) == judge(whole, AROUND)
+    assert {(one.policy, one.who) for one in judge(parts, AROUND)} == {("thrust", "cf1"), ("tilt", "cf1")}
+
+
+def test_of_two_messages_with_a_vehicle_and_a_stamp_the_later_recorded_counts() -> None:
+    whole = [one for one in received() if one.topic in {"command", "truth"}]
+    parts = one_each(whole)
+    double = changed(SwarmCommand, 0.0, 8.0, thrust=lambda thrust: 2.0 * thrust)
+    doubled = [double(one) for one in parts if "cf2" in one.signal.names]
+    once = trace_of(whole).thrust
+    np.testing.assert_array_equal(trace_of([*whole, *doubled]).thrust, once * [1.0, 2.0, 1.0])
+    np.testing.assert_array_equal(trace_of([*doubled, *whole]).thrust, once)
+    np.testing.assert_array_equal(trace_of([parts[0], *doubled, *whole]).thrust, once)
+
+
+def test_tilt_counts_roll_and_pitch_together() -> None:
+    # cos(tilt) = cos(roll) cos(pitch): 0.27 and 0.27 make 0.379
+    both = changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27), pitch=with_row(0, 0.27))
+    assert broken(both) == {"tilt"}
+    assert broken(changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27))) == set()
