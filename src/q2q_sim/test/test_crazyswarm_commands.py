@@ -20,7 +20,13 @@ from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import real, three, whole
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom, OpenLink, may_run_motors
+from q2q_sim.experiments.licence.room.licence_room import (
+    LicenceParams,
+    LicenceRoom,
+    OpenLink,
+    Sender,
+    may_run_motors,
+)
 from q2q_sim.experiments.licence.room.trials import LicenceTrial
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR
@@ -231,7 +237,9 @@ def test_a_thrust_that_the_firmware_takes_for_none_is_reported_and_no_thrust_is_
 def test_a_setpoint_that_is_no_number_is_reported_as_impossible_and_the_one_before_is_not_repeated():
     room = LicenceRoom(LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial())
     for x in (0.25, math.nan):
-        room.deliver(OpenLink(0), datagram_of(server_packets.position((x, 0.0, 0.5), 0.0)), x, (7, False))
+        room.deliver(
+            OpenLink(0), datagram_of(server_packets.position((x, 0.0, 0.5), 0.0)), x, Sender(7, closing=False)
+        )
     assert [one.asked.words for one in room.commands] == ["setpoint x 0.25 m, y 0.00 m, z 0.50 m", "setpoint"]
     assert [one.asked.impossible for one in room.commands] == ["", "a number that is not finite"]
 

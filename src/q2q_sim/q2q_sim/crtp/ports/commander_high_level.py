@@ -36,8 +36,8 @@ from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.parameters.uploads import TRAJECTORY_BYTES, Uploaded
 
-_OLD, _NEW, _SPEED = struct.Struct("<Bff"), struct.Struct("<Bff?f"), struct.Struct("<Bf?f?f")
-_GO, _GO_2, _ARC = struct.Struct("<BB5f"), struct.Struct("<BBB5f"), struct.Struct("<BBB5f")
+OLD_VERTICAL, VERTICAL, _SPEED = struct.Struct("<Bff"), struct.Struct("<Bff?f"), struct.Struct("<Bf?f?f")
+GO, GO_2, _ARC = struct.Struct("<BB5f"), struct.Struct("<BBB5f"), struct.Struct("<BBB5f")
 _START, _START_2, _DEFINE = struct.Struct("<BBBBf"), struct.Struct("<BBBBBf"), struct.Struct("<BBBIB")
 PIECE_BYTES = 132
 """4 polynomials of 8 floats and a duration."""
@@ -79,12 +79,12 @@ def _stop(firmware: Firmware, data: bytes) -> PlannerResult:
 
 
 def _vertical(data: bytes) -> Vertical:
-    _, height, yaw, keep, duration = read_fields(_NEW, data)
+    _, height, yaw, keep, duration = read_fields(VERTICAL, data)
     return Vertical(height, duration, None if keep else yaw)
 
 
 def _old_vertical(data: bytes) -> Vertical:
-    _, height, duration = read_fields(_OLD, data)
+    _, height, duration = read_fields(OLD_VERTICAL, data)
     return Vertical(height, duration, 0.0)
 
 
@@ -99,13 +99,13 @@ def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical
 
 
 def _go(firmware: Firmware, data: bytes) -> PlannerResult:
-    _, relative, x, y, z, yaw, duration = read_fields(_GO, data)
+    _, relative, x, y, z, yaw, duration = read_fields(GO, data)
     target = Target((x, y, z), yaw, duration, relative=bool(relative))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
 def _go_2(firmware: Firmware, data: bytes) -> PlannerResult:
-    _, relative, linear, x, y, z, yaw, duration = read_fields(_GO_2, data)
+    _, relative, linear, x, y, z, yaw, duration = read_fields(GO_2, data)
     target = Target((x, y, z), yaw, duration, relative=bool(relative), linear=bool(linear))
     return firmware.planner.go_to(target, firmware.seconds)
 

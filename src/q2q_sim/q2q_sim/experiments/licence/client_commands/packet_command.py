@@ -37,7 +37,7 @@ _FEEDS = (
 )
 _ARMS = (
     (Port.SUPERVISOR, supervisor_port.COMMAND, bytes([supervisor_port.ARM])),
-    (Port.PLATFORM, platform.COMMAND, bytes([supervisor_port.ARM])),
+    (Port.PLATFORM, platform.COMMAND, bytes([platform.ARM])),
 )
 """Commands to the supervisor: port, channel and first byte."""
 LIFTING = CRAZYFLIE_2_0.hover_thrust * MASS_THRUST

@@ -1,17 +1,15 @@
 """Commands of the high-level commander, from their packets (q2q_sim.crtp.ports has the formats)."""
 
 import math
-import struct
 
 from q2q_sim.crtp.packets.packet import Packet
+from q2q_sim.crtp.ports.commander_high_level import GO, GO_2, OLD_VERTICAL, VERTICAL
 from q2q_sim.experiments.licence.client_commands.client_command import Asked, CommandKind
 from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import absent_trajectory
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerResult
 from q2q_sim.firmware.firmware import Firmware
 
-_VERTICAL, _GO, _GO_2 = struct.Struct("<Bff?f"), struct.Struct("<BB5f"), struct.Struct("<BBB5f")
-_OLD = struct.Struct("<Bff")
 _TAKE_OFF, _LAND, _LEAVE, _GO_TO, _OTHER_PLANS = (1, 7), (2, 8), 3, (4, 12), (9, 10, 11)
 _STARTS = {5: 3, 13: 4}
 """Commands that start a trajectory: place of its number among their fields."""
@@ -52,13 +50,13 @@ def _is_addressed(mask: bytes, firmware: Firmware) -> bool:
 
 def _vertical(number: int, fields: bytes, refused: str) -> Asked:
     """Return a take-off or landing; the old commands, 1 and 2, have no yaw."""
-    if len(fields) < (_OLD if number in (1, 2) else _VERTICAL).size:
+    if len(fields) < (OLD_VERTICAL if number in (1, 2) else VERTICAL).size:
         return Asked(CommandKind.PLAN, PLAN_NAMES[number], refused=refused)
     yaw, keep = 0.0, True
     if number in (1, 2):
-        _, height, duration = _OLD.unpack_from(fields)
+        _, height, duration = OLD_VERTICAL.unpack_from(fields)
     else:
-        _, height, yaw, keep, duration = _VERTICAL.unpack_from(fields)
+        _, height, yaw, keep, duration = VERTICAL.unpack_from(fields)
     words = f"{PLAN_NAMES[number]} to {height:.2f} m in {duration:.1f} s"
     return Asked(
         CommandKind.PLAN, words, (math.nan, math.nan, height), yaw_rad=0.0 if keep else yaw, refused=refused
@@ -66,7 +64,7 @@ def _vertical(number: int, fields: bytes, refused: str) -> Asked:
 
 
 def _go_to(number: int, fields: bytes, refused: str) -> Asked:
-    layout = _GO if number == _GO_TO[0] else _GO_2
+    layout = GO if number == _GO_TO[0] else GO_2
     if len(fields) < layout.size:
         return Asked(CommandKind.PLAN, PLAN_NAMES[number], refused=refused)
     values = layout.unpack_from(fields)

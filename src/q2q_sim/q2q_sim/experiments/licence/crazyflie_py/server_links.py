@@ -12,15 +12,13 @@ from collections import deque
 from collections.abc import Sequence
 
 from q2q_sim.crtp.packets.packet import Packet, datagram_of
-from q2q_sim.experiments.licence.program.link_host import LinkHost, Sender
-from q2q_sim.experiments.licence.room.licence_room import PACKET_S, OpenLink
+from q2q_sim.experiments.licence.program.link_host import POLL_S, LinkHost
+from q2q_sim.experiments.licence.room.licence_room import PACKET_S, OpenLink, Sender
 
 CALL_S = 2e-5
 """Time that a call takes the program [s]: rclpy 7.1.6 publishes a pose in 24 us, calls a service in 16 us."""
 BROADCAST_S = 0.015
 """15 repetitions, 1 ms apart [s]: crazyflies.yaml, all.broadcasts."""
-POLL_S = 0.1
-"""Time between two polls of a vehicle by its radio [s]."""
 Waiting = tuple[bytes, Sender]
 
 

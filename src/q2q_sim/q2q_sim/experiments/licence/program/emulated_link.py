@@ -13,14 +13,12 @@ import cflib.crtp
 from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.exceptions import WrongUriType
 
-from q2q_sim.experiments.licence.program.link_host import LinkHost
+from q2q_sim.experiments.licence.program.link_host import POLL_S, LinkHost
 from q2q_sim.experiments.licence.room.licence_room import OpenLink
 
 SCHEMES = ("radio", "usb", "udp", "tcp", "serial")
 DRIVERS = ("UsbDriver", "SerialDriver", "UdpDriver", "PrrtDriver", "TcpDriver")
 """Drivers of cflib besides that of the radio."""
-POLL_S = 0.1
-"""Time between two polls of a vehicle by its radio [s]."""
 
 Report = Callable[[str], None]
 

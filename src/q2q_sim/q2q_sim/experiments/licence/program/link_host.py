@@ -7,20 +7,14 @@ import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, never
-from q2q_sim.experiments.licence.room.licence_room import PACKET_S, LicenceRoom, OpenLink
+from q2q_sim.experiments.licence.room.licence_room import PACKET_S, LicenceRoom, OpenLink, Sender
 
 SCANNED = "radio://0/80/2M/E7E7E7E7"
 """Before the last byte of the address."""
-
-
-class Sender(NamedTuple):
-    """Place in the program that sends a packet."""
-
-    line: int
-    closing: bool
+POLL_S = 0.1
+"""Time between two polls of a vehicle by its radio [s]."""
 
 
 @dataclass(frozen=True, slots=True)

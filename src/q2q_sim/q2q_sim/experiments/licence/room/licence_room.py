@@ -7,6 +7,7 @@ the program need not. One packet takes PACKET_S. A vehicle without link flies on
 import math
 from collections import deque
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -80,14 +81,26 @@ class OpenLink:
     """Packets for the program."""
 
 
+class Sender(NamedTuple):
+    """Place in the program that sends a packet."""
+
+    line: int
+    closing: bool
+    """Whether it closes the link."""
+
+
 @dataclass(slots=True)
 class _Columns:
     """Rows of the log, one for each tick."""
 
     state: list[Array] = field(default_factory=list)
     """(n, STATE_WIDTH)"""
-    firmware: list[list[tuple[bool, int, int]]] = field(default_factory=list)
-    """Motors run, state of the supervisor, age of the setpoint [ms]."""
+    running: list[list[bool]] = field(default_factory=list)
+    """Motors run, (n,)."""
+    supervisor: list[list[int]] = field(default_factory=list)
+    """State of the supervisor, (n,)."""
+    age_ms: list[list[int]] = field(default_factory=list)
+    """Age of the setpoint [ms], (n,)."""
 
 
 class LicenceRoom:
@@ -126,14 +139,14 @@ class LicenceRoom:
                 one.client.inbox.append(one.datagram)
         self._record()
 
-    def deliver(self, link: OpenLink, datagram: bytes, t: float, sender: tuple[int, bool]) -> None:
+    def deliver(self, link: OpenLink, datagram: bytes, t: float, sender: Sender) -> None:
         """Hand a packet of the program to its vehicle, with the answers to the program.
 
         Args:
             link: of the program.
             datagram: the packet.
             t: time [s].
-            sender: line of the program, and whether it closes the link.
+            sender: where the program sends it.
         """
         vehicle = self._fleet.vehicles[link.vehicle]
         refusals = vehicle.refusals.count
@@ -147,8 +160,7 @@ class LicenceRoom:
         except MalformedError:
             return
         if asked is not None:
-            line, closing = sender
-            self.commands.append(ClientCommand(t, link.vehicle, asked, line, closing))
+            self.commands.append(ClientCommand(t, link.vehicle, asked, *sender))
         link.inbox.extend(answers)
 
     def keep_alive(self, link: OpenLink) -> None:
@@ -176,7 +188,6 @@ class LicenceRoom:
     def log(self, uris: Names, names: Names, end: ProgramEnd, output: str) -> LicenceLog:
         """Return the flight so far, of vehicles with these URIs and names."""
         state = np.stack(self._columns.state)  # (T, n, STATE_WIDTH)
-        firmware = np.array(self._columns.firmware)  # (T, n, 3)
         weight = CRAZYFLIE_2_0.mass * GRAVITY
         return LicenceLog(
             uris=uris,
@@ -188,9 +199,9 @@ class LicenceRoom:
             quat=state[..., QUAT],
             yaw_rate=state[..., R],
             thrust=state[..., ROTORS].sum(axis=-1) / weight,
-            running=firmware[..., 0].astype(np.bool_),
-            state=firmware[..., 1],
-            age=1e-3 * firmware[..., 2],
+            running=np.array(self._columns.running),
+            state=np.array(self._columns.supervisor),
+            age=1e-3 * np.array(self._columns.age_ms),
             commands=tuple(self.commands),
             opened=tuple(sorted(set(self.opened))),
             end=end,
@@ -212,11 +223,10 @@ class LicenceRoom:
 
     def _record(self) -> None:
         self._columns.state.append(self._room.swarm.state.copy())
-        rows = []
-        for vehicle in self._fleet.vehicles:
-            one = vehicle.firmware
-            rows.append((may_run_motors(one), int(one.supervisor.state), one.now_ms - one.commander.set_ms))
-        self._columns.firmware.append(rows)
+        every = [vehicle.firmware for vehicle in self._fleet.vehicles]
+        self._columns.running.append([may_run_motors(one) for one in every])
+        self._columns.supervisor.append([int(one.supervisor.state) for one in every])
+        self._columns.age_ms.append([one.now_ms - one.commander.set_ms for one in every])
 
 
 def may_run_motors(one: Firmware) -> bool:
