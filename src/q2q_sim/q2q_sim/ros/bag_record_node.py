@@ -4,16 +4,12 @@ If the disk is full, the node logs it, stops recording and keeps its services, s
 its end; its exit status is then 2.
 """
 
-import sys
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from time import time_ns
 
 from rclpy.event_handler import (
-    QoSMessageLostInfo,
     QoSRequestedIncompatibleQoSInfo,
     SubscriptionEventCallbacks,
 )
@@ -21,21 +17,16 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.validate_topic_name import validate_topic_name
 
-from q2q_model.bag import BagError, BagWriter, OfferedQos, facts_from_text
-from q2q_model.counted import counted
-from q2q_model.diagnostics.health import Health
+from q2q_model.bag import BagWriter, OfferedQos, facts_from_text
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED
-from q2q_model.signals.cdr.cdr_format import header_stamp_ns
-from q2q_model.signals.cdr.cdr_writer import encode
-from q2q_model.signals.layout import Signal
-from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.recorded_topics import check_distinct, recorded_types, silent_topics_note
+from q2q_sim.bag_topics.recorded_bag import RecordedBag
+from q2q_sim.bag_topics.recorded_topics import check_distinct, recorded_types
 from q2q_sim.bag_topics.topics import TYPE_NAMES, is_latched
 
 
@@ -65,7 +56,7 @@ class RecordParams:
 
 
 class Recorder:
-    """Bag writer and subscriptions."""
+    """Subscriptions and the bag that they fill."""
 
     def __init__(self, node: Node) -> None:
         params = declare(node, RecordParams())
@@ -74,16 +65,9 @@ class Recorder:
         self._node = node
         self._take_latched: dict[str, Callable[[], None]] = {}
         """How to subscribe again to a topic that is not known to be latched."""
-        self._foreign: dict[str, str] = {}
-        """Topics of other software and their types, until their first message shows how they are offered."""
-        self.health = Health()
-        """Messages stored (ticks) and lost (missed)."""
-        self._lost: dict[str, int] = {}
-        self.is_full = False
-        """Whether the disk has taken no more."""
-        self._by_header = params.stamps == "header"
+        by_header = params.stamps == "header"
         facts = facts_from_text(params.facts)
-        types = recorded_types(params.topics, params.extra, by_header=self._by_header)
+        types = recorded_types(params.topics, params.extra, by_header=by_header)
         classes = {topic: message_class(kind) for topic, kind in types.items()}
         for topic in types:
             validate_topic_name(topic)  # before the bag's folder is made: resolve_topic_name raises RCLError
@@ -91,20 +75,24 @@ class Recorder:
         check_distinct(names)
         asked = types if params.topics else types.keys() - TYPE_NAMES
         self._asked = sorted(names[topic] for topic in asked)
-        self._received: set[str] = set()
-        self._writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
+        writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
+        self.bag = RecordedBag(writer, partial(_offered, node), by_header=by_header)
         bus = bus_of(node)
         for topic, kind in types.items():
             whole = names[topic]
             if topic in TYPE_NAMES or is_latched(topic, kind):
-                self._writer.add_topic(whole, kind, OfferedQos(transient_local=is_latched(topic, kind)))
+                self.bag.add_topic(whole, kind, latched=is_latched(topic, kind))
             else:
-                self._foreign[whole] = kind
+                self.bag.add_foreign(whole, kind)
             if bus.carries(topic):
-                bus.listen(topic, self._storing_signals(whole))
+                bus.listen(topic, partial(self.bag.take_signal, whole))
             else:
                 self._subscribe(node, topic, classes[topic], RECORD)
-        publish_health(node, self.health, self._look_for_latched)
+        publish_health(node, self.bag.health, self._look_for_latched)
+
+    def close(self) -> None:
+        """Close the bag; raise BagError if its disk took no more."""
+        self.bag.close(self._asked)
 
     def _subscribe(self, node: Node, topic: str, kind: type, qos: QoSProfile) -> None:
         """Record a topic; with `RECORD` until all publishers latch it, or one offers best effort only."""
@@ -122,11 +110,11 @@ class Recorder:
             take_anew(RECORD_BEST_EFFORT)
 
         events = SubscriptionEventCallbacks(
-            message_lost=self._counting(whole),
+            message_lost=lambda lost: self.bag.count_lost(whole, lost.total_count),
             incompatible_qos=None if qos is RECORD_BEST_EFFORT else take_less,
         )
         subscription = node.create_subscription(
-            kind, topic, self._storing(whole), qos, raw=True, event_callbacks=events
+            kind, topic, partial(self.bag.take, whole), qos, raw=True, event_callbacks=events
         )
         self._take_latched.pop(whole, None)
         if qos is RECORD:
@@ -138,79 +126,11 @@ class Recorder:
         Once a second: an event of the match would come at once, but to take one can block the process for
         ever (ros2/rmw_fastrtps#890).
         """
-        silent = self._take_latched.keys() - self._received  # of others, the last message would come again
+        silent = self._take_latched.keys() - self.bag.received  # of others, the last message would come again
         for topic in sorted(silent):
             if _is_latched(self._node, topic):
                 self._take_latched[topic]()
         return {}
-
-    def close(self) -> None:
-        """Close the bag; name the topics of which messages were lost, and those that never came.
-
-        Raises:
-            BagError: the disk took no more, before or now.
-        """
-        try:
-            for topic, kind in self._foreign.items() if not self.is_full else ():
-                self._writer.add_topic(topic, kind)
-            self._writer.close()
-        except BagError as refusal:
-            self._give_up(refusal)
-        if silence := silent_topics_note(self._asked, self._received):
-            print(f"bag_record: {silence}", file=sys.stderr)
-        for topic, count in self._lost.items():
-            lost = f"lost {counted(count, 'message')} of {topic}"
-            print(f"bag_record: {lost}: this machine is too busy", file=sys.stderr)
-        if self.is_full:
-            raise BagError(f"bag {self._writer.path} lacks what came after its disk took no more")
-
-    def _storing_signals(self, topic: str) -> Listener:
-        def take(stamp_ns: int, signal: Signal) -> None:
-            self._store(topic, stamp_ns if self._by_header else time_ns(), encode(signal, stamp_ns))
-
-        return take
-
-    def _storing(self, topic: str) -> Callable[[bytes], None]:
-        def take(data: bytes) -> None:
-            try:
-                stamp_ns = header_stamp_ns(data) if self._by_header else time_ns()
-            except ValueError as refusal:
-                self.health.refuse(f"{topic}: {refusal}; not recorded")
-                return
-            self._store(topic, stamp_ns, data)
-
-        return take
-
-    def _store(self, topic: str, stamp_ns: int, data: bytes) -> None:
-        if self.is_full:
-            self.health.missed += 1
-            return
-        self._received.add(topic)
-        if stamp_ns < 0:
-            self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; bags begin at 0 s; not recorded")
-            return
-        if topic in self._foreign:
-            self._writer.add_topic(topic, self._foreign.pop(topic), _offered(self._node, topic))
-        try:
-            self._writer.write_raw(topic, stamp_ns, data)
-        except BagError as refusal:
-            self._give_up(refusal)
-        else:
-            self.health.ticks += 1
-
-    def _give_up(self, refusal: BagError) -> None:
-        """Record nothing further."""
-        self.is_full = True
-        self.health.refuse(str(refusal))
-        with suppress(OSError):  # a log on the same disk
-            print(f"bag_record: {refusal}; nothing more is recorded", file=sys.stderr, flush=True)
-
-    def _counting(self, topic: str) -> Callable[[QoSMessageLostInfo], None]:
-        def count(lost: QoSMessageLostInfo) -> None:
-            self._lost[topic] = lost.total_count
-            self.health.missed = sum(self._lost.values())
-
-        return count
 
 
 def _offered(node: Node, topic: str) -> OfferedQos:

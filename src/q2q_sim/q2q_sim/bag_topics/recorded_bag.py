@@ -1,0 +1,113 @@
+"""Bag that a recorder fills: what it stores, refuses and lacks, and what is said of it.
+
+A disk that takes no more ends the recording, but not the recorder, so that a flight is flown to its end.
+"""
+
+import sys
+from collections.abc import Callable, Collection
+from contextlib import suppress
+from time import time_ns
+
+from q2q_model.bag import BagError, BagWriter, OfferedQos
+from q2q_model.counted import counted
+from q2q_model.diagnostics.health import Health
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_model.signals.cdr.cdr_writer import encode
+from q2q_model.signals.layout import Signal
+from q2q_sim.bag_topics.recorded_topics import silent_topics_note
+
+
+class RecordedBag:
+    """Bag with the messages stored in it and the count of those that it lacks."""
+
+    def __init__(self, writer: BagWriter, offered: Callable[[str], OfferedQos], *, by_header: bool) -> None:
+        """Take an empty bag.
+
+        Args:
+            writer: the bag.
+            offered: returns what the publishers of a topic offer now.
+            by_header: the time of a message is its header's stamp, not that of its receipt.
+        """
+        self.health = Health()
+        """Messages stored (ticks) and lost (missed)."""
+        self.is_full = False
+        """Whether the disk has taken no more."""
+        self.received: set[str] = set()
+        """Topics with a message."""
+        self._writer, self._offered, self._by_header = writer, offered, by_header
+        self._foreign: dict[str, str] = {}
+        """Topics of other software and their types, until their first message shows how they are offered."""
+        self._lost: dict[str, int] = {}
+
+    def add_topic(self, topic: str, kind: str, *, latched: bool) -> None:
+        """Add a topic whose quality of service is known."""
+        self._writer.add_topic(topic, kind, OfferedQos(transient_local=latched))
+
+    def add_foreign(self, topic: str, kind: str) -> None:
+        """Add a topic of other software, by what its publishers offer at its first message."""
+        self._foreign[topic] = kind
+
+    def take(self, topic: str, data: bytes) -> None:
+        """Store a serialised message."""
+        try:
+            stamp_ns = header_stamp_ns(data) if self._by_header else time_ns()
+        except ValueError as refusal:
+            self.health.refuse(f"{topic}: {refusal}; not recorded")
+            return
+        self._store(topic, stamp_ns, data)
+
+    def take_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
+        """Store a signal that was stamped at `stamp_ns`."""
+        self._store(topic, stamp_ns if self._by_header else time_ns(), encode(signal, stamp_ns))
+
+    def count_lost(self, topic: str, total: int) -> None:
+        """Count the messages of a topic, `total` since the start, that came and were not read in time."""
+        self.health.missed += total - self._lost.get(topic, 0)
+        self._lost[topic] = total
+
+    def close(self, asked: Collection[str]) -> None:
+        """Close the bag; say which topics lost messages, and which of those `asked` for never came.
+
+        Raises:
+            BagError: the disk took no more, before or now.
+        """
+        try:
+            for topic, kind in self._foreign.items() if not self.is_full else ():
+                self._writer.add_topic(topic, kind)
+            self._writer.close()
+        except BagError as refusal:
+            self._give_up(refusal)
+        if silence := silent_topics_note(asked, self.received):
+            _say(silence)
+        for topic, count in self._lost.items():
+            _say(f"lost {counted(count, 'message')} of {topic}: this machine is too busy")
+        if self.is_full:
+            raise BagError(f"bag {self._writer.path} lacks what came after its disk took no more")
+
+    def _store(self, topic: str, stamp_ns: int, data: bytes) -> None:
+        self.received.add(topic)
+        if self.is_full:
+            self.health.missed += 1
+            return
+        if stamp_ns < 0:
+            self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; bags begin at 0 s; not recorded")
+            return
+        if topic in self._foreign:
+            self._writer.add_topic(topic, self._foreign.pop(topic), self._offered(topic))
+        try:
+            self._writer.write_raw(topic, stamp_ns, data)
+        except BagError as refusal:
+            self._give_up(refusal)
+        else:
+            self.health.ticks += 1
+
+    def _give_up(self, refusal: BagError) -> None:
+        """Record nothing further."""
+        self.is_full = True
+        self.health.refuse(str(refusal))
+        with suppress(OSError):  # a log on the same disk
+            _say(f"{refusal}; nothing more is recorded")
+
+
+def _say(words: str) -> None:
+    print(f"bag_record: {words}", file=sys.stderr, flush=True)
