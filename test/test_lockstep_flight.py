@@ -34,8 +34,8 @@ from q2q_sim.node_flights.flight_request import FlightRequest, facts_of, load_sc
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.node_flights.scenario_flight import fly
+from q2q_sim.processes.flight_progress import STILL_S
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
-from q2q_sim.ros.flight_director import STILL_S
 from q2q_sim.scenarios import library
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")

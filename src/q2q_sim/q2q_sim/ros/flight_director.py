@@ -3,9 +3,7 @@
 The nodes run in processes of their own, or in this process on one executor.
 """
 
-import reprlib
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from time import monotonic
 from typing import Self
 
@@ -28,9 +26,9 @@ from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
-from q2q_model.signals.stamps import TICK_NS, BadStampError, stamp_from_parts
-from q2q_model.signals.topic_names import FLIGHT_SUMMARY, PLAYBACK_OVER
-from q2q_sim.loop.flight_clock import FlightTiming, timing_from_text
+from q2q_model.signals.topic_names import PLAYBACK_OVER
+from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.processes.flight_progress import SUMMARY, FlightProgress, timing_of_summary
 
 POLL_S = 0.05
 """Period of graph queries [s]."""
@@ -40,11 +38,6 @@ DRAIN_S = 60.0
 """Time-out for draining the messages of one node [s]: a starved recorder takes a millisecond a message."""
 LINGER_S = 20.0
 """Time after which the middleware has forgotten nodes that were killed [s] (Fast DDS: its lease)."""
-STILL_S = 60.0
-"""Time without a tick after which a flight has failed [s]."""
-SOURCES = ("/simulator", "/bag_play")
-"""Nodes that publish ticks."""
-SUMMARY = f"/{FLIGHT_SUMMARY}"
 
 
 class FlightDirector:
@@ -64,10 +57,7 @@ class FlightDirector:
         self._executor = executor or make_executor()
         self._executor.add_node(self._node)
         self._check = check
-        self._summary: str | None = None
-        self._ticks = 0
-        self._played = False
-        self._moved_at = monotonic()
+        self._progress = FlightProgress(monotonic())
         self._answers: dict[str, Connections] = {}
         """Last answers of the nodes of the flight."""
         self._drains: dict[str, Client] = {}
@@ -94,7 +84,7 @@ class FlightDirector:
     @property
     def ticks(self) -> int:
         """Return the number of ticks flown, as last reported."""
-        return self._ticks
+        return self._progress.ticks
 
     def wait_connected(
         self, nodes: Iterable[str], timeout_s: float, meanwhile: Callable[[], None] = lambda: None
@@ -136,7 +126,7 @@ class FlightDirector:
         answer = self._call(client)
         if answer is not None and not answer.success:
             raise ValueError(f"{source} refuses to start: {answer.message}")
-        self._moved_at = monotonic()
+        self._progress.start(monotonic())
 
     def wait_summary(self, progress: Callable[[int], None]) -> FlightTiming:
         """Return the flight's timing once it is over; `progress` is called with the ticks flown.
@@ -145,17 +135,10 @@ class FlightDirector:
             ValueError: what came on `flight_summary` is no timing; the error names who writes it.
             TimeoutError: no tick came for STILL_S.
         """
-        while self._summary is None:
+        while (summary := self._progress.summary) is None:
             self._follow()
-            progress(self._ticks)
-        try:
-            return timing_from_text(self._summary)
-        except ValueError as misfit:
-            writers = ", ".join(sorted(self._publishers_of(SUMMARY))) or "a node that has left"
-            raise ValueError(
-                f"{SUMMARY} of {writers} is {reprlib.repr(self._summary)}: {misfit}: "
-                "end other nodes that write it, or give this flight another ROS_DOMAIN_ID"
-            ) from misfit
+            progress(self._progress.ticks)
+        return timing_of_summary(summary, self._publishers_of(SUMMARY))
 
     def wait_drained(self, nodes: Iterable[str]) -> None:
         """Return once every reader has all messages of the nodes, or after DRAIN_S.
@@ -173,17 +156,13 @@ class FlightDirector:
 
     def wait_playback(self) -> None:
         """Return at the end of the playback."""
-        while not self._played:
+        while not self._progress.is_played:
             self._follow()
 
     def _follow(self) -> None:
         """Wait briefly; raise TimeoutError if no tick came for too long."""
-        before = self._ticks
         self._spin(POLL_S)
-        if self._ticks != before:
-            self._moved_at = monotonic()
-        if monotonic() - self._moved_at > STILL_S:
-            raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self._ticks}; see the nodes' logs")
+        self._progress.check(monotonic())
 
     def _publishers_of(self, topic: str) -> list[str]:
         return [info.node_name for info in self._node.get_publishers_info_by_topic(topic)]
@@ -216,17 +195,14 @@ class FlightDirector:
             self._executor.spin_once(timeout_sec=rest)
 
     def _on_clock(self, message: Clock) -> None:
-        with suppress(BadStampError):  # of another node: this flight's ticks go on
-            self._ticks = stamp_from_parts(message.clock.sec, message.clock.nanosec) // TICK_NS
+        self._progress.take_clock(message.clock.sec, message.clock.nanosec)
 
     def _on_summary(self, message: String) -> None:
-        self._summary = message.data
+        self._progress.summary = message.data
 
     def _on_playback_over(self, _: String) -> None:
-        self._played = True
+        self._progress.is_played = True
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.endswith(SOURCES):
-                reported = next((pair.value for pair in status.values if pair.key == "ticks"), "0")
-                self._ticks = int(reported) if reported.isdecimal() else self._ticks
+            self._progress.take_diagnostics(status.name, {pair.key: pair.value for pair in status.values})
