@@ -7,8 +7,10 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import AirError, error_line
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 
-LARGEST = Push(np.array(1e3), np.array(1.0))
-"""Largest acceleration [m/s^2], a hundred g, and torque [N m], hundreds of times that of a wake's edge."""
+LARGEST_ACC = 1e3
+"""Largest acceleration [m/s^2]: a hundred g."""
+LARGEST_TORQUE = 1.0
+"""Largest torque [N m]: hundreds of times that of a wake's edge."""
 
 
 class CheckedWake:
@@ -35,10 +37,8 @@ class CheckedWake:
             raise self._failed("push", error) from error
         if not isinstance(push, Push):
             raise AirError(f"air {self._name}: push returned a {type(push).__name__}: return a Push")
-        limits = LARGEST._asdict()
-        return Push(
-            *(self._within(what, part, float(limits[what]), now.t) for what, part in push._asdict().items())
-        )
+        acc = self._within("acc", push.acc, LARGEST_ACC, now.t)
+        return Push(acc, self._within("torque", push.torque, LARGEST_TORQUE, now.t))
 
     def _reset(self, setup: AirSetup) -> None:
         try:

@@ -32,7 +32,6 @@ from q2q_model.signals.values import (
     SwarmState,
     Three,
     TrackStatus,
-    index_of,
 )
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
@@ -171,7 +170,7 @@ class SceneBuilder:
         ]
 
     def _forces(self, seen: SceneSignals, row: int) -> list[Shape]:
-        eta = _of(seen.interference, seen.state.names[row])
+        eta = _own(seen.interference, seen.state.names[row])
         if eta is None or not np.linalg.norm(eta) >= FORCE_SHOWN:
             return []
         tail = seen.state.pos[row]
@@ -182,8 +181,8 @@ class SceneBuilder:
         made = []
         for row in known:
             name, own = seen.state.names[row], COLOURS[row % len(COLOURS)]
-            planned = self._trail("plan", name, seen.state.t, _setpoint_of(seen.reference, name))
-            safe = self._trail("replanned", name, seen.state.t, _setpoint_of(seen.reference_safe, name))
+            planned = self._trail("plan", name, seen.state.t, _own(seen.reference, name))
+            safe = self._trail("replanned", name, seen.state.t, _own(seen.reference_safe, name))
             flown = self._trail("flown", name, seen.state.t, seen.state.pos[row])
             pale = (*own[:3], 0.35)
             made += [
@@ -208,18 +207,12 @@ def zones_breached(pos: Array, zone: Cylinder) -> NDArray[np.bool_]:
     return np.asarray(inside.any(axis=1))
 
 
-def _of(signal: Interference | None, name: str) -> Array | None:
-    if signal is None:
+def _own(signal: Interference | SwarmSetpoint | None, name: str) -> Array | None:
+    """Return a vehicle's push [m/s^2] or planned position [m]; None without one."""
+    if signal is None or name not in signal.names:
         return None
-    row = int(index_of((name,), signal.names)[0])
-    return signal.acc[row] if row >= 0 else None
-
-
-def _setpoint_of(signal: SwarmSetpoint | None, name: str) -> Array | None:
-    if signal is None:
-        return None
-    row = int(index_of((name,), signal.names)[0])
-    return signal.pos[row] if row >= 0 else None
+    values = signal.acc if isinstance(signal, Interference) else signal.pos
+    return np.asarray(values[signal.names.index(name)])
 
 
 def _colour(row: int, status: int) -> Colour:

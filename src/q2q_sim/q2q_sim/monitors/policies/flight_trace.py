@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from q2q_model.flights.joined_flight import check_clock
 from q2q_model.flights.output_ticks import output_ticks
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, MocapFrame, Names
 from q2q_sim.monitors.metrics.proximity import near_sample
 from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
@@ -78,7 +79,7 @@ class FlightTrace:
     @property
     def tick(self) -> float:
         """Return the time between ticks [s]."""
-        return float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.01
+        return float(np.median(np.diff(self.t))) if len(self.t) > 1 else TICK_S
 
 
 def trace_of(recorded: Iterable[RecordedSignal]) -> FlightTrace:
