@@ -5,7 +5,8 @@ from math import inf
 from pathlib import Path
 
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
+from q2q_sim.experiments.licence.flown_trials import FlownTrial, fly_trials
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.experiments.licence.room.licence_room import LicenceParams
 from q2q_sim.experiments.licence.room.trials import LicenceTrial

@@ -13,7 +13,9 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 
 from q2q_sim.air.air_names import AirError
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, fly_trials, licence
+from q2q_sim.experiments.licence.flown_trials import fly_trials
+from q2q_sim.experiments.licence.licence_flights import Licence, licence
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,

@@ -7,7 +7,8 @@ from licence_logs import LIMITS, UP, command, hover
 
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
 from q2q_sim.experiments.licence.flight_order import Program
-from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
+from q2q_sim.experiments.licence.flown_trials import FlownTrial
+from q2q_sim.experiments.licence.licence_flights import Licence
 from q2q_sim.experiments.licence.licence_reports import junit_xml, report_text
 from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 from q2q_sim.experiments.licence.rules.licence_rules import broken_rules

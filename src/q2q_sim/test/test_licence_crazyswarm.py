@@ -16,7 +16,8 @@ from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import (
     vehicles_from_file,
 )
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
+from q2q_sim.experiments.licence.flown_trials import FlownTrial, fly_trials
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.program.link_host import scanned_uris
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.experiments.licence.room.licence_room import LicenceParams

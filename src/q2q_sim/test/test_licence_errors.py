@@ -9,13 +9,9 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.licence_flights import (
-    FlownTrial,
-    Licence,
-    LicenceOptions,
-    fly_trials,
-    licence,
-)
+from q2q_sim.experiments.licence.flown_trials import FlownTrial, fly_trials
+from q2q_sim.experiments.licence.licence_flights import Licence, licence
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,

@@ -9,7 +9,9 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 
 from q2q_sim.commands.licence import main
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials, licence
+from q2q_sim.experiments.licence.flown_trials import fly_trials
+from q2q_sim.experiments.licence.licence_flights import licence
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.room.licence_room import LicenceParams
 from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 

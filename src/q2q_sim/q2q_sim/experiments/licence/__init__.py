@@ -18,6 +18,8 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | program_flight | one flight of a program |
 | room/trials | flights of a licence, with the faults' times from the flight without faults |
 | rules/ | what a flight must not do, what it did first, and why: the command or the silence before it |
+| licence_options | conditions of a licence |
+| flown_trials | flights in processes of their own, judged |
 | licence_flights | all flights of a program |
 | licence_reports | verdict as text, JSON, JUnit XML and page |
 | licence_score | programs with and without seeded bugs |

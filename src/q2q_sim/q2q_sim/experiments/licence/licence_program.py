@@ -9,7 +9,8 @@ from q2q_model.documents.json_file import Json
 from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import vehicles_from_file
 from q2q_sim.experiments.licence.flight_order import Program
-from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
+from q2q_sim.experiments.licence.licence_flights import licence
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,

@@ -10,7 +10,8 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import Json
 from q2q_model.documents.written_file import write_text
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
+from q2q_sim.experiments.licence.flown_trials import FlownTrial
+from q2q_sim.experiments.licence.licence_flights import Licence
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.replay_page import ReplayRun, replay_element
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, ProgramOutput, page

@@ -15,7 +15,8 @@ from q2q_model.documents.json_file import Json
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.nearest_name import name_hint
 from q2q_sim.experiments.licence.flight_order import Program
-from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
+from q2q_sim.experiments.licence.licence_flights import licence
+from q2q_sim.experiments.licence.licence_options import LicenceOptions
 from q2q_sim.experiments.licence.licence_reports import verdict_text
 from q2q_sim.experiments.licence.program.link_host import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
