@@ -13,7 +13,6 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.scenarios.room_profiles import IDEAL
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.scenario_files import MOST
 
 SPACING = 0.6
 """Along the ring [m]: six times eps, well outside each other's downwash."""
@@ -28,9 +27,7 @@ POINT_EVERY = 1.0
 
 
 def swarm_scenario(count: int) -> Scenario:
-    """Return the scenario of `count` vehicles; raise ValueError if `count` is 0 or too large."""
-    if not 1 <= count <= MOST:
-        raise ValueError(f"swarm{count}: 1 to {MOST} vehicles are allowed")
+    """Return the scenario of `count` vehicles, 1 or more (scenario_files.swarm_size)."""
     return Scenario(
         name=f"swarm{count}",
         description=f"{count} Crazyflies on two counter-rotating rings, passing under each other",
