@@ -18,7 +18,7 @@ from q2q_sim.air.learning.jet.jet_table import push_in_table
 from q2q_sim.air.learning.jet.learned_downwash import absorption_factor, travel_of
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_two
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread, slope_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value, within_search
 
 FEWEST = 200
@@ -67,13 +67,9 @@ def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     if coaxial.sum() < FEWEST:
         return None
     y, both = np.concatenate([part.y for part in parts])[coaxial], -(near + far)[coaxial]
-    sums = block_sums(np.stack([y * both, both * both], axis=1), wake_rows.row_blocks(parts)[coaxial])
-
-    def estimate(weight: Array) -> Array:
-        along, square = weight @ sums
-        return np.array([along / max(square, np.finfo(float).tiny)])
-
-    return fitted_value(estimate_spread(estimate, len(sums)), 0, "two wakes over their sum", y.size, SOURCE)
+    products = np.stack([y * both, both * both], axis=1)
+    found = slope_spread(products, wake_rows.row_blocks(parts)[coaxial])
+    return fitted_value(found, 0, "two wakes over their sum", y.size, SOURCE)
 
 
 def _pushes(parts: Sequence[WakeRows], jet: JetTerm) -> tuple[Array, Array]:

@@ -79,11 +79,14 @@ def estimate_spread(estimate: WeightedEstimate, count: int) -> Spread:
 
 
 def slope_spread(products: Array, blocks: BlockOfRows) -> Spread:
-    """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2)."""
+    """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2).
+
+    Of rows with no x but 0 it is 0.
+    """
     sums = block_sums(products, blocks)
 
     def estimate(weight: Array) -> Array:
         along, square = weight @ sums
-        return np.array([along / square])
+        return np.array([along / max(square, np.finfo(float).tiny)])
 
     return estimate_spread(estimate, len(sums))
