@@ -38,6 +38,8 @@ def test_the_facts_of_a_flight_are_read_back_here_and_by_an_independent_reader(t
         ("rosbag2_bagfile_information:\n  custom_data: [vehicle]\n", FlightFacts()),
         ("rosbag2_bagfile_information: 3\n", FlightFacts()),
         ("{", FlightFacts()),
+        ("rosbag2_bagfile_information: {custom_data: {flown: 2024-13-45}}\n", FlightFacts()),  # no date
+        ("rosbag2_bagfile_information: {custom_data: {flown: !!bool x}}\n", FlightFacts()),
         ("", FlightFacts()),
         (None, FlightFacts()),
     ],

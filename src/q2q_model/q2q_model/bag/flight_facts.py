@@ -8,8 +8,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-import yaml
-
+from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_model.vehicle.thrust_map import STOCK
 
@@ -87,8 +86,8 @@ def read_facts(path: Path | str) -> FlightFacts:
     """
     metadata = Path(path) / METADATA if Path(path).is_dir() else Path(path).parent / METADATA
     try:
-        loaded = yaml.safe_load(metadata.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, RecursionError):
+        loaded = load_yaml(metadata)
+    except ValueError:
         return FlightFacts()
     information = loaded.get("rosbag2_bagfile_information") if isinstance(loaded, dict) else None
     if not isinstance(information, dict) or not _describes(information, Path(path)):
