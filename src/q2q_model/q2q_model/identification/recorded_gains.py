@@ -28,13 +28,13 @@ def recorded_gains(
     """
     try:
         fit = gains_from_commands(records)
-        differing = None if carries_other_weight(fit) else differing_gains(records)
-        notes = difference_note(*differing) if differing else []
-        return replace(fit, alike=not differing), [*notes, *gain_notes(fit, recordings, vehicle)]
     except ValueError as missing:
         fit, unshown = gains_from_poses(records, vehicle)
         notes = [f"gains are from trajectories, downwash and lag included: {missing}"]
         return fit, [*notes, *unshown, *_feed_forward_note(records)]
+    differing = None if carries_other_weight(fit) else differing_gains(records)
+    notes = difference_note(*differing) if differing else []
+    return replace(fit, alike=not differing), [*notes, *gain_notes(fit, recordings, vehicle)]
 
 
 def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
