@@ -2,10 +2,10 @@
 
 import shutil
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from native_apps import STACKED
 
 from q2q_control.onboard.app_folder import CORE, write_app
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, Jet
@@ -23,7 +23,6 @@ CYCLES = 1.5
 accelerator. The emulator counts instructions only."""
 AIM_US = 50.0
 """[us]"""
-STACKED = replace(MOVING_LAW, loading=0.6, absorption=1.5, velocity_share=0.6)
 needs_gcc = pytest.mark.skipif(shutil.which(GCC) is None, reason=f"no {GCC}: install gcc-arm-none-eabi")
 needs_qemu = pytest.mark.skipif(shutil.which(QEMU) is None, reason=f"no {QEMU}: install qemu-system-arm")
 

@@ -1,0 +1,87 @@
+"""Neighbours of the firmware app: broadcast, dead-reckoned, refused or forgotten."""
+
+import math
+
+import numpy as np
+import pytest
+from native_apps import at_rest, hover, library, needs_cc
+
+from q2q_control.onboard.model_header import STALE_S, AppRates
+from q2q_control.onboard.native_app import NativeApp
+from q2q_model.downwash.jet import MEASURED_LAW
+
+
+@needs_cc
+def test_a_neighbour_is_dead_reckoned_between_broadcasts_and_forgotten_when_it_is_silent() -> None:
+    app, own, speed = NativeApp(library(MEASURED_LAW, AppRates())), hover(0.0, 0.0, 1.0), 0.5
+    for k in range(20):
+        source = hover(speed * 0.02 * k - 0.25, 0.0, 1.5)
+        source[3] = speed
+        app.hear_motion(7, 20_000 * k, source)
+    width, peak = MEASURED_LAW.width, MEASURED_LAW.strength * math.exp(-MEASURED_LAW.decay_rate * 0.1)
+    for age in (0.0, 0.1, STALE_S - 0.01):
+        x = speed * (0.38 + age - 0.5 / MEASURED_LAW.travel_speed) - 0.25  # where the air left the source
+        eta = app.downwash(own, 380_000 + round(1e6 * age))
+        assert eta == pytest.approx(-peak * math.exp(-x * x / (2 * width * width)), rel=1e-4)
+    assert app.downwash(own, 380_000 + round(1e6 * STALE_S) + 1000) == 0.0
+
+
+@needs_cc
+def test_broadcasts_round_to_millimetres_and_are_clipped() -> None:
+    app = NativeApp(library(MEASURED_LAW))
+    packet = app.broadcast(200, np.array([1.2344, -2.0, 40.0, -0.5, 0.0, 1e9, 0.3, -0.4, math.sqrt(0.75)]))
+    assert packet is not None
+    assert packet[0] == 200
+    numbers = np.frombuffer(packet[1:], dtype="<i2")
+    np.testing.assert_array_equal(numbers, [1234, -2000, 32767, -500, 0, 32767, 3000, -4000])
+    above, own = hover(0.01, 0.0, 1.4), hover(0.0, 0.0, 1.0)
+    sent = app.broadcast(200, above)
+    assert sent is not None
+    assert app.hear(sent, 0)
+    other = NativeApp(library(MEASURED_LAW))
+    assert other.hear_motion(200, 0, above)
+    assert app.downwash(own, 0) == pytest.approx(other.downwash(own, 0), abs=1e-6)
+
+
+@needs_cc
+@pytest.mark.parametrize("sick", [0, 5, 8])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_motion_that_is_not_finite_is_not_broadcast(sick: int, value: float) -> None:
+    """It became a valid packet: position 0, where others then felt a vehicle."""
+    motion = hover(1.0, 2.0, 3.0)
+    motion[sick] = value
+    assert NativeApp(library(MEASURED_LAW)).broadcast(3, motion) is None
+
+
+@needs_cc
+def test_a_silent_neighbour_stays_forgotten_when_the_clock_has_wrapped() -> None:
+    """Stamps are of 32 bits: half their period later an age is negative, a whole one later it is new."""
+    heard, above, own = 1_000_000, hover(0.0, 0.0, 1.4), hover(0.0, 0.0, 1.0)
+    fresh, app = NativeApp(library(MEASURED_LAW)), NativeApp(library(MEASURED_LAW))
+    assert app.hear_motion(2, heard, above)
+    assert app.downwash(own, heard) == pytest.approx(-MEASURED_LAW.strength, rel=1e-5)
+    assert app.downwash(own, (heard + 2_150_000_000) % 2**32) == 0.0  # no step since: 35.8 min, age negative
+    app.step(at_rest(heard + 300_000, own))  # steps go on every 2 ms; one is enough to forget
+    for later in (2_150_000_000, 4_000_000_000, 2**32 + 100_000):
+        assert app.downwash(own, (heard + later) % 2**32) == 0.0
+    back, beside = (heard + 2_200_000_000) % 2**32, hover(0.02, 0.0, 1.4)
+    assert app.hear_motion(2, back, beside)
+    assert fresh.hear_motion(2, back, beside)
+    assert app.downwash(own, back) == fresh.downwash(own, back) < -0.5
+
+
+@needs_cc
+def test_a_late_packet_is_refused_and_keeps_the_newer_ones() -> None:
+    app, own = NativeApp(library(MEASURED_LAW)), hover(0.0, 0.0, 1.0)
+    assert app.hear_motion(2, 40_000, hover(0.0, 0.0, 1.4))
+    assert not app.hear_motion(2, 20_000, hover(5.0, 0.0, 1.4))
+    assert app.downwash(own, 40_000) == pytest.approx(-MEASURED_LAW.strength, rel=1e-5)
+
+
+@needs_cc
+def test_of_six_neighbours_the_last_is_refused_until_one_is_silent() -> None:
+    app = NativeApp(library(MEASURED_LAW))
+    assert [app.hear_motion(k, 1000, hover(0.0, 0.0, 1.0 + k)) for k in range(1, 7)] == [True] * 5 + [False]
+    assert not app.hear_motion(1, 1000, hover(0.0, 0.0, 2.0))  # a repeated stamp
+    assert not app.hear_motion(1, 2000, np.full(9, np.nan))
+    assert app.hear_motion(6, 1000 + round(1e6 * STALE_S) + 100_000, hover(0.0, 0.0, 1.4))
