@@ -14,14 +14,12 @@ from q2q_model.downwash.interaction_model import (
 from q2q_model.geometry.rotations import UP
 from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.air import checked_wake
+from q2q_sim.air.checked_wake import LARGEST_ACC
 
-LARGEST = float(checked_wake.LARGEST.acc)
-"""Largest downwash [m/s^2], that of an air."""
 NEEDED = {
     "delay": "finite numbers of 0 s or more are needed",
-    "acceleration": f"finite numbers of at most {LARGEST:g} m/s^2 are needed",
-    "deviation": f"0 to {LARGEST:g} m/s^2 is needed, or NaN where unknown",
+    "acceleration": f"finite numbers of at most {LARGEST_ACC:g} m/s^2 are needed",
+    "deviation": f"0 to {LARGEST_ACC:g} m/s^2 is needed, or NaN where unknown",
 }
 """Outputs that are allowed, by method."""
 PLACES = np.array([[aside, 0.0, gap] for aside in (0.0, 0.1, 1.0) for gap in (-1.0, -0.3, 0.3, 1.0)])
@@ -66,7 +64,7 @@ class CheckedModel:
         given = self._numbers(
             "acceleration", self._model.acceleration(rel_pos.copy(), own_copy(motion)), rel_pos.shape
         )
-        allowed = np.abs(given) <= LARGEST  # not NaN either
+        allowed = np.abs(given) <= LARGEST_ACC  # not NaN either
         inputs = rel_pos, motion.source_vel, motion.source_axis, motion.vel
         self._require("acceleration", given, np.asarray(allowed.all(axis=-1)), inputs)
         return given
@@ -76,7 +74,7 @@ class CheckedModel:
         given = self._numbers(
             "deviation", self._model.deviation(rel_pos.copy(), own_copy(motion)), rel_pos.shape
         )
-        allowed = np.isnan(given) | ((given >= 0.0) & (given <= LARGEST))
+        allowed = np.isnan(given) | ((given >= 0.0) & (given <= LARGEST_ACC))
         self._require("deviation", given, np.asarray(allowed.all(axis=-1)), (rel_pos,))
         return given
 

@@ -39,17 +39,7 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
             "source": "commands" if found.gains.from_commands else "trajectories",
         },
         "zone": _zone(found),
-        "model": {
-            "type": found.chosen.kind,
-            "name": found.chosen.name,
-            "parameters": found.chosen.parameters,
-            "train_mse_m2": _roles(found.train.mse_m2),
-            "r2_of": found.train.r2_of,
-            "train_r2": _roles(found.train.r2),
-            "heldout_mse_m2": _roles(found.held_out.mse_m2),
-            "heldout_r2": _roles(found.held_out.r2),
-            "intervals": dict(_spans(found.spread)),
-        },
+        "model": _model(found),
         "loading": {
             "interval": found.loading.as_list() if found.loading else None,
             "used": usable_loading(found.loading),
@@ -87,9 +77,7 @@ def summary(found: Identification) -> str:
         )
     lines.append(f"model: {found.chosen.name} ({counted(found.chosen.parameters, 'parameter')})")
     if held.r2.lower is not None:
-        lines.append(
-            f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's {held.r2_of}"
-        )
+        lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's {held.r2_of}")
     lines += [f"  {name} {_ranged(one, UNITS.get(name, ''))}" for name, one in found.spread]
     if found.loading is not None:
         lines.append(f"loading {_ranged(found.loading)}: {usable_loading(found.loading):.2f} is used")
@@ -120,6 +108,20 @@ def _zone(found: Identification) -> dict[str, object]:
         "learned": {"threshold_mps2": learned.threshold, "eps_m": learned.eps, "d_m": learned.d}
         if learned
         else None,
+    }
+
+
+def _model(found: Identification) -> dict[str, object]:
+    return {
+        "type": found.chosen.kind,
+        "name": found.chosen.name,
+        "parameters": found.chosen.parameters,
+        "train_mse_m2": _roles(found.train.mse_m2),
+        "r2_of": found.train.r2_of,
+        "train_r2": _roles(found.train.r2),
+        "heldout_mse_m2": _roles(found.held_out.mse_m2),
+        "heldout_r2": _roles(found.held_out.r2),
+        "intervals": dict(_spans(found.spread)),
     }
 
 
