@@ -19,6 +19,7 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import EDGE, PairMotion, Reach
 from q2q_model.downwash.roles import lower_share, smooth_gap
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 
 HIDDEN = 40
@@ -56,8 +57,8 @@ class EnvelopeNetwork:
 
     lower: Network
     upper: Network
-    eps: float = 0.1
-    d: float = 1.1
+    eps: float = Cylinder().eps
+    d: float = Cylinder().d
 
     def __post_init__(self) -> None:
         """Check the widths of the envelope."""

@@ -83,7 +83,7 @@ def _push(pairs: JetPairs, k: int, above: float, law: JetLaw) -> float:
 @compiled(**HOT)
 def _drift(dz: float, vel: Array, axis: Array, law: JetLaw) -> tuple[float, float]:
     """Return the horizontal displacement of the air since it left its source [m]."""
-    upright = max(axis[2], 0.5)
+    upright = max(axis[2], 0.5)  # no zero: a slope of 60 to 90 degrees is clipped below
     sx, sy = axis[0] / upright, axis[1] / upright
     cut = max(math.sqrt(sx * sx + sy * sy) / STEEPEST, 1.0)
     fall, tau = max(dz, 0.0), 0.0

@@ -45,14 +45,17 @@ LATENESS = 3.0
 BETWEEN = np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0
 """Weights of a cubic through the two before and the two after, at even distances [-]."""
 DEGREE = 3
+"""Degree of the fit."""
 BLOCK = 1024
 """Samples that are fitted together: windows of 0.3 s take 0.5 MB for each power."""
 NONE = -1
+"""Row beyond the first or the last sample."""
 EVERY_TICK = 1.5
 """Period below which a reference comes at every tick, and repeated ones are samples, too [ticks]."""
 FEWEST = 3
 """Changes up to which references are no row of goals."""
 VEL, ACC = slice(3, 6), slice(6, 9)
+"""Columns of velocity and acceleration, after those of the position."""
 LACKING_SHARE = 0.05
 """Share of samples without a rate from which the rate counts as fitted [-]."""
 UNEVEN, UNEVEN_SHARE = 0.25, 0.1

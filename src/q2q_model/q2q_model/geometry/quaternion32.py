@@ -10,6 +10,7 @@ import math
 from q2q_model.signals.values import Four
 
 _TOP = (1 << 9) - 1
+"""Largest number of 9 bits."""
 
 
 def compress_quat(quat: Four) -> int:

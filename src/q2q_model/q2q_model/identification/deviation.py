@@ -22,6 +22,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
 from q2q_model.identification.gains.impulse_response import CLEAR
 from q2q_model.identification.statistics.intervals import UNKNOWN, Interval
@@ -45,8 +46,8 @@ _UNBOUNDED = np.array([[0.0, RATES[0], 0.0], [UNKNOWN, RATES[-1], FARTHEST]])
 class DeviationParams:
     """Choices of section 3.1."""
 
-    eps: float = 0.1
-    """Horizontal distance [m]; beyond it the discs of two Crazyflies (92 mm) do not overlap."""
+    eps: float = Cylinder().eps
+    """Horizontal distance [m]: that of the zone."""
     steady: float = 15.0
     """Initial time that is ignored [s]; section 3.1."""
     clear: float = CLEAR

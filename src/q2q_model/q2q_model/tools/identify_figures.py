@@ -22,7 +22,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 DPI = 130
-
+"""Dots per inch of the figures: 900 to 1300 pixels wide."""
 
 DrawFigure = Callable[[], Figure]
 

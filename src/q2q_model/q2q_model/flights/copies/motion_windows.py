@@ -37,6 +37,7 @@ Words = NDArray[np.uint64]
 _AXES = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 _FACTOR = np.uint64(0x94D049BB133111EB)
 _MIX = np.uint64(0xBF58476D1CE4E5B9)
+"""Odd numbers of random bits, of SplitMix64 (Steele, Lea, Flood, 2014) and, for y and z, xxHash (Collet)."""
 
 
 def motion_windows(pos: Array) -> Windows:

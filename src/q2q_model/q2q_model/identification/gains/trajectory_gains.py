@@ -56,6 +56,7 @@ FORBIDDEN = 1e12
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}
 HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "lag": 0.5}
 START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "lag": 0.05}
+"""Bounds and first values of the search [1/s^2], [1/s], [1/s^3], [s]: far around those of small vehicles."""
 SIGMAS = 2.0
 """Bound of a residual over its root mean square [-]: 95 % of a normal."""
 ABOVE = 5.0

@@ -24,6 +24,10 @@ import numpy as np
 from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array
 
+REFERENCE_GAP = 0.4
+"""Height difference at which a fitted strength holds [m]: amid the gaps of recorded flights, 0.2 to 0.7 m."""
+RANGE = 1.5
+"""Range of a fitted jet [m]: beyond the gaps at which pushes are exposed, up to 1.2 m."""
 FASTEST = 500.0
 """Travel speed above which delay is negligible [m/s]: a tenth of a tick over half a metre."""
 
@@ -89,11 +93,11 @@ def jet_of_values(form: JetForm, names: Sequence[str], x: Array) -> Jet:
     values = dict(zip(names, (float(v) for v in x), strict=True))
     slowness = values.pop("slowness", 0.0)
     return Jet(
-        reference_gap=0.4,
+        reference_gap=REFERENCE_GAP,
         decay=form.decay,
         carried=form.carried,
         travel_speed=1.0 / slowness if slowness * FASTEST > 1.0 else 0.0,
-        range=1.5,
+        range=RANGE,
         **({"spread": 0.0} | values),
     )
 

@@ -17,6 +17,7 @@ from q2q_model.signals.values import Names
 from q2q_model.signals.vehicle_name import LONGEST_SHOWN, VEHICLE_NAME
 
 QUEUE = 10
+"""Messages that a publisher keeps for a slow reader: a second at the default rate."""
 ASK_EVERY_NS = 500_000_000
 """Interval of the question for subscribers [ns]."""
 
