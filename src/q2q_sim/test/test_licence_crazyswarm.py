@@ -91,6 +91,18 @@ def test_vehicles_are_those_of_the_file_with_their_parameters_and_logs(tmp_path:
     assert dict(ten.parameters)["stabilizer.controller"] == 2.0
 
 
+def test_an_initial_position_of_whole_numbers_is_one_of_ints_which_a_message_refuses(tmp_path: Path):
+    file = tmp_path / "crazyflies.yaml"
+    file.write_text(FILE.replace("[0.5, -0.5, 0.0]", "[1, -1, 0]"))
+    ten, seven = vehicles_from_file(file)
+    assert [type(one) for one in ten.initial] == [float] * 3  # [0, 0.5, 0]: ROS makes floats of both
+    assert (seven.initial, [type(one) for one in seven.initial]) == ((1, -1, 0), [int] * 3)
+    assert [type(one) for one in seven.start] == [float] * 3
+    one = replace(seven, uri=scanned_uris(1)[0], initial=(0, 0, 0))
+    (finding,) = fly(tmp_path, "cf.goTo(cf.initialPosition + [0, 0, 1], 0, 2.0)", served=(one,)).findings
+    assert "goTo: goal[0] = np.int64(0) is of type int64: a ROS message needs a float" in finding.why
+
+
 def test_stock_vehicles_are_named_by_their_addresses():
     (one,) = stock_vehicles(scanned_uris(1), [(0.1, 0.2, 0.3)])
     assert (one.name, one.initial, dict(one.parameters)) == ("cf231", (0.1, 0.2, 0.0), dict(STOCK_PARAMETERS))

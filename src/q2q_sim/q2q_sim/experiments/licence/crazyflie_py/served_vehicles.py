@@ -31,7 +31,7 @@ class ServedVehicle:
     name: str
     uri: str
     initial: Three
-    """Position that the server believes it starts at [m], world."""
+    """Position that the server believes it starts at [m], world; int if the file has whole numbers only."""
     parameters: tuple[tuple[str, float], ...] = tuple(STOCK_PARAMETERS.items())
     """Firmware parameters that the server sets, by name."""
     pose_hz: int = STOCK_POSE_HZ
@@ -41,7 +41,8 @@ class ServedVehicle:
     @property
     def start(self) -> Three:
         """Return where it stands unless set otherwise: x, y [m], yaw [rad]."""
-        return self.initial[0], self.initial[1], 0.0
+        x, y, _ = self.initial
+        return float(x), float(y), 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +64,7 @@ class _Level:
 
     firmware_logging: _Logging | None = None
     type: object = None
+    initial_position: object = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +87,7 @@ def vehicles_from_file(path: Path) -> tuple[ServedVehicle, ...]:
         ServedVehicle(
             name=one.name,
             uri=one.uri,
-            initial=one.start,
+            initial=_initial(one.start, file.robots[one.name].initial_position),
             parameters=tuple(params_set(document, one.name, by_type=True).items()),
             pose_hz=_frequency(file, one.name, "pose"),
             status_hz=_frequency(file, one.name, "status"),
@@ -102,6 +104,13 @@ def stock_vehicles(uris: Sequence[str], starts: Sequence[Three]) -> tuple[Served
         for uri, (x, y, _) in zip(uris, starts, strict=True)
     ]
     return tuple(sorted(found, key=lambda one: one.name))
+
+
+def _initial(start: Three, given: object) -> Three:
+    """Return an initial position [m] with the numbers that ROS declares: int if the file has only such."""
+    x, y, z = start
+    whole = isinstance(given, list) and all(isinstance(one, int) for one in given)
+    return (int(x), int(y), int(z)) if whole else start
 
 
 def _frequency(file: _File, name: str, topic: str) -> int:
