@@ -2,6 +2,7 @@
 
 import math
 import struct
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
     check_ellipsoid_collisions,
     poisson_disk_sample,
 )
-from q2q_sim.experiments.licence.crazyflie_py.message_fields import real, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import real, seconds, three, whole
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
 from q2q_sim.experiments.licence.room.licence_room import (
@@ -145,6 +146,25 @@ def test_fields_of_messages_refuse_what_ros_would_garble():
             real(wrong, "takeoff: targetHeight")
     with pytest.raises(TypeError, match="an int from 0 to 255"):
         whole(256, "groupMask", 255)
+
+
+@pytest.mark.parametrize("given", [2.5, np.float32(2.5), np.array(2.5), Fraction(5, 2)])
+def test_a_duration_may_be_any_real_number(given: float) -> None:
+    assert seconds(given, "goTo: duration") == 2.5
+
+
+def test_a_duration_is_cut_to_nanoseconds_and_may_be_a_whole_number_of_numpy() -> None:
+    assert [seconds(one, "duration") for one in (2, np.int64(2), True, -1.0)] == [2.0, 2.0, 1.0, -1.0]
+    assert seconds(1.9e-9, "duration") == 1e-9
+
+
+@pytest.mark.parametrize(("given", "kind"), [
+    ("2", TypeError), (None, TypeError), ([2.0], TypeError), (math.nan, ValueError),
+    (math.inf, OverflowError), (2.0**31, OverflowError),
+])  # fmt: skip
+def test_what_rclpy_makes_no_duration_of_is_refused(given: float, kind: type[Exception]) -> None:
+    with pytest.raises(kind, match=r"goTo: duration = .*: a number of seconds between"):
+        seconds(given, "goTo: duration")
 
 
 def test_ellipsoids_touch_at_two_radii_and_sampled_points_keep_their_distance():

@@ -2,14 +2,20 @@
 
 A field of type float64 or float32 takes a Python float. Of an int, rclpy on Humble raises an AssertionError,
 and on Jazzy the serialised message has another number: Float64(data=1) arrives as 5e-324. Both are mistakes
-of the program, so an int raises here too.
+of the program, so an int raises here too. A duration reaches its message by way of whole nanoseconds, and may
+be any real number.
 """
 
 from collections.abc import Sequence
+from numbers import Number
 
 import numpy as np
 
+from q2q_model.signals.stamps import NANOSECONDS
 from q2q_model.signals.values import Three
+
+SECONDS_END = 2**31
+"""Beyond the seconds of a builtin_interfaces/Duration, an int32."""
 
 
 def real(value: object, what: str) -> float:
@@ -31,10 +37,17 @@ def three(values: object, what: str) -> Three:
 
 
 def seconds(value: float, what: str) -> float:
-    """Return a duration [s], which may be a whole number."""
-    if not isinstance(value, int | float):
-        raise TypeError(f"{what} = {value!r}: a number of seconds is needed")
-    return float(value)
+    """Return a duration [s] in whole nanoseconds, as rclpy.duration.Duration makes it of any real number."""
+    message = f"{what} = {value!r}: a number of seconds between -2^31 and 2^31 is needed"
+    if not isinstance(value, Number | np.generic | np.ndarray):
+        raise TypeError(message)
+    try:
+        nanoseconds = int(value * NANOSECONDS)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise type(error)(message) from error
+    if abs(nanoseconds) >= SECONDS_END * NANOSECONDS:
+        raise OverflowError(message)
+    return nanoseconds / NANOSECONDS
 
 
 def whole(value: object, what: str, most: int) -> int:

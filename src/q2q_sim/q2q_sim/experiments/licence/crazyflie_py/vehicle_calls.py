@@ -84,7 +84,7 @@ class CrazyflieCalls(Absence):
             if any(axis.shape != (COEFFICIENTS,) for axis in axes):
                 print(f"[{self.prefix[1:]}] Wrong number of pieces!")
                 return
-            pieces.append((float(one.duration), np.stack(axes)))
+            pieces.append((seconds(one.duration, "uploadTrajectory: duration"), np.stack(axes)))
         number = whole(trajectoryId, "uploadTrajectory: trajectoryId", BYTE)
         offset = whole(pieceOffset, "uploadTrajectory: pieceOffset", MOST)
         for packet in server_packets.upload(number, offset, pieces):
