@@ -18,9 +18,20 @@ from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
     check_ellipsoid_collisions,
     poisson_disk_sample,
 )
-from q2q_sim.experiments.licence.crazyflie_py.message_fields import real, seconds, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
+    coefficients,
+    real,
+    seconds,
+    three,
+    whole,
+)
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
-from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
+from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import (
+    GRAVITY,
+    Polynomial,
+    Polynomial4D,
+    UavTrajectory,
+)
 from q2q_sim.experiments.licence.room.licence_room import (
     LicenceParams,
     LicenceRoom,
@@ -165,6 +176,13 @@ def test_a_duration_is_cut_to_nanoseconds_and_may_be_a_whole_number_of_numpy() -
 def test_what_rclpy_makes_no_duration_of_is_refused(given: float, kind: type[Exception]) -> None:
     with pytest.raises(kind, match=r"goTo: duration = .*: a number of seconds between"):
         seconds(given, "goTo: duration")
+
+
+def test_coefficients_are_uploaded_from_arrays_only_and_a_derivative_has_a_list_of_them() -> None:
+    one = Polynomial(np.array([1.0, 2.0, 3.0]))
+    assert coefficients(one.p, "px.p").tolist() == [1.0, 2.0, 3.0]
+    with pytest.raises(TypeError, match=r"px\.p = \[2\.0, 6\.0\] is of type list: .* a numpy array"):
+        coefficients(one.derivative().p, "px.p")
 
 
 def test_ellipsoids_touch_at_two_radii_and_sampled_points_keep_their_distance():

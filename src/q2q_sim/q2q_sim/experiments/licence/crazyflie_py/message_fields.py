@@ -12,7 +12,7 @@ from numbers import Number
 import numpy as np
 
 from q2q_model.signals.stamps import NANOSECONDS
-from q2q_model.signals.values import Three
+from q2q_model.signals.values import Array, Three
 
 SECONDS_END = 2**31
 """Beyond the seconds of a builtin_interfaces/Duration, an int32."""
@@ -48,6 +48,16 @@ def seconds(value: float, what: str) -> float:
     if abs(nanoseconds) >= SECONDS_END * NANOSECONDS:
         raise OverflowError(message)
     return nanoseconds / NANOSECONDS
+
+
+def coefficients(values: object, what: str) -> Array:
+    """Return the coefficients of a polynomial; crazyflie_py calls their `tolist`, which a list has not."""
+    if not isinstance(values, np.ndarray):
+        raise TypeError(
+            f"{what} = {values!r} is of type {type(values).__name__}: crazyflie_py needs a numpy array, "
+            "like np.array([0.0, 1.0])"
+        )
+    return np.asarray(values, dtype=np.float64)
 
 
 def whole(value: object, what: str, most: int) -> int:

@@ -39,8 +39,8 @@ class Polynomial:
         return float(np.polynomial.polynomial.polyval(t, np.asarray(self.p)))
 
     def derivative(self) -> "Polynomial":
-        """Return the derivative."""
-        return Polynomial(np.polynomial.polynomial.polyder(np.asarray(self.p)))
+        """Return the derivative, whose coefficients are a list: crazyflie_py uploads arrays only."""
+        return Polynomial(np.polynomial.polynomial.polyder(np.asarray(self.p)).tolist())
 
 
 class TrajectoryOutput:

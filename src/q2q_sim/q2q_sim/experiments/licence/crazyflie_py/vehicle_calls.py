@@ -8,7 +8,14 @@ from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
 from q2q_sim.experiments.licence.crazyflie_py.connection import NUMBERS
-from q2q_sim.experiments.licence.crazyflie_py.message_fields import flag, real, seconds, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
+    coefficients,
+    flag,
+    real,
+    seconds,
+    three,
+    whole,
+)
 from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport, report_in_packet
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
@@ -80,7 +87,8 @@ class CrazyflieCalls(Absence):
         """Upload a trajectory, behind `pieceOffset` pieces of others; returns when it has arrived."""
         pieces = []
         for one in trajectory.polynomials:
-            axes = [np.asarray(axis.p, dtype=np.float64) for axis in (one.px, one.py, one.pz, one.pyaw)]
+            named = {"px": one.px, "py": one.py, "pz": one.pz, "pyaw": one.pyaw}
+            axes = [coefficients(axis.p, f"uploadTrajectory: {name}.p") for name, axis in named.items()]
             if any(axis.shape != (COEFFICIENTS,) for axis in axes):
                 print(f"[{self.prefix[1:]}] Wrong number of pieces!")
                 return
