@@ -4,7 +4,7 @@
 |---|---|
 | a vehicle hit the floor | policy `floor` |
 | a vehicle landed without feedback, was flown blind to the end, or was never measured | sent_down.py |
-| motors were cut | sent_down.py |
+| motors were cut, by an emergency stop or by the failsafe | sent_down.py |
 | two vehicles collided | policy `separation` |
 | a vehicle left its path | policy `setpoint_error` |
 | commands ended before the flight | a vehicle's last command older than the firmware's watchdog, 0.5 s |

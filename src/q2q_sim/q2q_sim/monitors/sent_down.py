@@ -3,9 +3,13 @@
 | finding | commands |
 |---|---|
 | motors were cut | CUT |
+| motors were cut by an emergency stop | CUT right after OK or SATURATED |
 | landed blind | LAND on the floor |
 | was never measured | from the first to the last, or to CUT, LEVEL or LAND |
 | was flown blind to the end | the last is LAND |
+
+The failsafe cuts a vehicle after seconds without feedback; one with feedback is cut by an emergency stop
+(q2q_control.failsafe).
 
 Only the whole recording shows that a vehicle was never measured, and only a part up to its end how it ended.
 """
@@ -15,6 +19,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from q2q_model.signals.values import Array, CommandStatus
+from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.monitors.flight_verdict import Finding
 from q2q_sim.monitors.policies import Limits
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
@@ -33,8 +38,9 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
         never = is_whole and _is_never_measured(status)
         if never:
             yield Finding(float(trace.t[0]), f"{name} was never measured")
+        cause = " by an emergency stop" if _is_cut_with_feedback(trace.t, status) else ""
         ends = {
-            f"{name}'s motors were cut": status == CommandStatus.CUT,
+            f"{name}'s motors were cut{cause}": status == CommandStatus.CUT,
             f"{name} landed blind": (status == CommandStatus.LAND) & down[:, row],
         }
         first = {words: float(trace.t[mask][0]) for words, mask in ends.items() if mask.any()}
@@ -48,6 +54,16 @@ def _is_never_measured(status: Array) -> bool:
     """Return whether none of a vehicle's commands, (T,), has feedback, and some are not CUT."""
     flown = status[np.isfinite(status) & (status != CommandStatus.CUT)]
     return bool(len(flown)) and bool(np.isin(flown, BLIND).all())
+
+
+def _is_cut_with_feedback(t: Array, status: Array) -> bool:
+    """Return whether a vehicle's first CUT follows a command with feedback; t and status are (T,)."""
+    given = np.isfinite(status)
+    t, status = t[given], status[given]
+    first = int((status != CommandStatus.CUT).cumprod().sum())
+    if first in (0, len(t)) or t[first] - t[first - 1] > LEVEL_AFTER_S:
+        return False
+    return status[first - 1] in (CommandStatus.OK, CommandStatus.SATURATED)
 
 
 def _blind_since(t: Array, status: Array) -> float | None:
