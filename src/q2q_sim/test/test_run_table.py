@@ -1,5 +1,6 @@
 """The table of flights in a terminal of any width has every number and every name whole."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -10,25 +11,31 @@ from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.flight_run import FlightRun
-from q2q_sim.report.run_table import run_table
+from q2q_sim.node_flights.flight_run import FlightRun, runs_json
+from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
 
+TABLE6 = FlightRequest("table6")
 SHORT = ("cf1", "cf2")
 LONG = tuple(f"crazyflie_number_{each}_of_the_great_western_laboratory" for each in (1, 2))
 NUMBERS = ("0.0226", "0.0471", "0.564", "-0.0286", "0.358", "0.0176")
 
 
-def words(names: tuple[str, ...], width: int, scenario: str = "table6") -> list[str]:
-    """Return the words of a table that is printed in a terminal of some width."""
+def run_of(names: tuple[str, ...], request: FlightRequest) -> FlightRun:
+    """Return a finished flight."""
     one = VehicleMetrics(0.0226, 0.0471, 0.564, -0.0286, 0.358, 0.0, 0.0, 0.0)
-    run = FlightRun(
-        FlightRequest(scenario),
+    return FlightRun(
+        request,
         FlightRecording(names, 1).flight("made"),
         FlightMetrics(dict.fromkeys(names, one), 0.0176, 0.0),
         FlightTiming(0, 0, None, None, None),
         Path("bag"),
         FlightVerdict(10.0),
     )
+
+
+def words(names: tuple[str, ...], width: int, request: FlightRequest = TABLE6) -> list[str]:
+    """Return the words of a table that is printed in a terminal of some width."""
+    run = run_of(names, request)
     console = plain_console(width=width)
     with console.capture() as printed:
         console.print(run_table([run], width))
@@ -57,4 +64,19 @@ def test_a_row_for_each_vehicle_where_it_fits() -> None:
 
 
 def test_the_path_of_a_scenario_is_printed_as_it_is() -> None:
-    assert words(SHORT, 80, "sc[red].yaml")[:2] == ["sc[red].yaml,", "pid"]
+    assert words(SHORT, 80, FlightRequest("sc[red].yaml"))[:2] == ["sc[red].yaml,", "pid"]
+
+
+@pytest.mark.parametrize(("mode", "said"), [("ignoring", "ignoring"), ("aware_unlimited", "no limit")])
+def test_a_corrected_flight_is_told_from_one_that_is_not(mode: str, said: str) -> None:
+    plain, corrected = (
+        run_of(SHORT, FlightRequest("table6", mode, correct=correct)) for correct in (False, True)
+    )
+    assert "corrected" not in words(SHORT, 80, plain.request)
+    assert words(SHORT, 80, corrected.request).count("corrected") == len(SHORT)
+    assert run_notes([plain, corrected])[0].startswith(f"{said}: ")
+    assert run_notes([plain, corrected])[1].startswith(f"{said}, corrected: ")
+    ends = "ok: 10.0 s flown to the end"
+    assert run_verdicts([plain, corrected]) == f"verdict: {said}: {ends} | {said}, corrected: {ends}"
+    flown = json.loads(json.dumps(runs_json([plain, corrected])))["runs"]
+    assert [(one["mode"], one["correct"]) for one in flown] == [(mode, False), (mode, True)]

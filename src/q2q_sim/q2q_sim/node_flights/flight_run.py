@@ -33,6 +33,7 @@ def _run(run: FlightRun) -> Json:
     return {
         "scenario": run.request.scenario,
         "mode": run.request.mode,
+        "correct": run.request.correct,
         "controller": run.request.controller,
         "vehicles": {name: asdict(one) for name, one in run.metrics.vehicles.items()},
         "min_separation_m": run.metrics.min_separation_m,

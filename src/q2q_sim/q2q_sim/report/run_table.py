@@ -10,6 +10,7 @@ from q2q_model.counted import counted
 from q2q_model.plain_console import plain_console
 from q2q_sim.monitors.flight_verdict import verdict_line
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
+from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.html_page import Grid
 from q2q_sim.report.significant_digits import significant_digits
@@ -78,6 +79,11 @@ def _column_table(grid: Grid) -> Table:
     return table
 
 
+def mode_words(request: FlightRequest) -> str:
+    """Return how a flight counters the downwash: by its mode, and by correction from motion."""
+    return MODE_WORDS[request.mode] + (", corrected" if request.correct else "")
+
+
 def run_notes(runs: Sequence[FlightRun]) -> list[str]:
     """Return zone time and timing of each flight, in lines for a terminal of 80 columns."""
     return [_note(run) for run in runs]
@@ -85,14 +91,14 @@ def run_notes(runs: Sequence[FlightRun]) -> list[str]:
 
 def run_verdicts(runs: Sequence[FlightRun]) -> str:
     """Return the verdicts on the flights in one line."""
-    return verdict_line([(MODE_WORDS[run.request.mode], run.verdict) for run in runs])
+    return verdict_line([(mode_words(run.request), run.verdict) for run in runs])
 
 
 def _note(run: FlightRun) -> str:
     timing, missed = run.timing, counted(run.timing.missed_ticks, "tick")
     latency, tail = significant_digits(timing.latency_p50_ms, 2), significant_digits(timing.latency_p99_ms, 2)
     return (
-        f"{MODE_WORDS[run.request.mode]}: {significant_digits(run.metrics.zone_time_s)} s in the zone, "
+        f"{mode_words(run.request)}: {significant_digits(run.metrics.zone_time_s)} s in the zone, "
         f"{significant_digits(timing.real_time_factor, 2)} x real time, {missed} missed,\n"
         f"    mocap to command {latency} ms in the median, {tail} ms at p99"
     )
@@ -100,7 +106,7 @@ def _note(run: FlightRun) -> str:
 
 def _rows(run: FlightRun) -> list[tuple[str, ...]]:
     numbers = {name: _numbers(run.metrics, one) for name, one in run.metrics.vehicles.items()}
-    mode = MODE_WORDS[run.request.mode]
+    mode = mode_words(run.request).replace(", ", ",\n")
     return [(mode, name, *map(significant_digits, row)) for name, row in vehicle_rows(numbers)]
 
 
