@@ -1,4 +1,4 @@
-"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE] [--plots FOLDER] [--baseline CHECKOUT]`.
+"""Run the benchmarks: `scripts/bench [AREA...] [--json [FILE]] [--plots FOLDER] [--baseline CHECKOUT]`.
 
 Each area is a module of this folder with `run() -> list[Row]`; its references are measured in the same run.
 Several areas run one after the other, each in a process of its own; one that fails loses its own rows only.
@@ -10,6 +10,7 @@ import json
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import asdict
 from difflib import get_close_matches
 from importlib import import_module
@@ -19,6 +20,7 @@ from area_process import AreaError, Bench
 from compare_checkout import bench_of, compare_rows, comparison_table, has_area
 from q2q_model.commands.argument_types import output_file, output_folder
 from q2q_model.commands.command_line import CommandLine
+from q2q_model.documents.json_file import STDOUT, text_stream
 from row import Row
 
 HERE = Path(__file__).parent
@@ -45,7 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if len(chosen) > 1 or args.baseline:
             return _run_apart(chosen, args)
-        _write(_run(chosen[0], args.plots), args.json)
+        with redirect_stdout(text_stream(args.json)):
+            rows = _run(chosen[0], args.plots)
+        _write(rows, args.json)
     except KeyboardInterrupt:
         print("bench: interrupted", file=sys.stderr)
         return 130
@@ -55,7 +59,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> CommandLine:
     made = CommandLine("bench", __doc__, EXAMPLE)
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
-    made.add_argument("--json", type=output_file, metavar="FILE", help="write the rows to this file")
+    made.add_argument(
+        "--json",
+        nargs="?",
+        type=output_file,
+        const=STDOUT,
+        metavar="FILE",
+        help="print the rows as JSON, or write them to FILE",
+    )
     made.add_argument(
         "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"
     )
@@ -84,14 +95,19 @@ def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
     """Run areas in processes of their own, and those of another checkout; keep what there is."""
     rows: list[Row] = []
     failed = []
+    printed = args.json == STDOUT
     for area in chosen:
         plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
-        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not args.baseline)
+        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not (args.baseline or printed))
         try:
-            rows += _compared(area, ours.rows(area), args.baseline) if args.baseline else ours.rows(area)
+            with redirect_stdout(text_stream(args.json)):
+                rows += _compared(area, ours.rows(area), args.baseline) if args.baseline else ours.rows(area)
         except AreaError as error:
             print(f"bench: {error}", file=sys.stderr)
             failed.append(area)
+        if not printed:
+            _write(rows, args.json)
+    if printed:
         _write(rows, args.json)
     if failed:
         print(f"bench: without the rows of {', '.join(failed)}, which failed", file=sys.stderr)
@@ -115,9 +131,12 @@ def _compared(area: str, ours: list[Row], checkout: Path) -> list[Row]:
 
 
 def _write(rows: Sequence[Row], file: Path | None) -> None:
-    if file:
+    text = json.dumps([asdict(row) for row in rows], indent=1)
+    if file == STDOUT:
+        print(text)
+    elif file:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
+        file.write_text(text + "\n")
 
 
 def _run(area: str, plots: Path | None) -> list[Row]:

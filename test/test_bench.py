@@ -73,6 +73,19 @@ def test_areas_that_all_succeed_end_with_0(tmp_path: Path, monkeypatch: pytest.M
     assert run(here, monkeypatch) == (0, [("a", 1.0, None), ("b", 2.0, None)])
 
 
+@pytest.mark.parametrize("words", [[], ["--baseline", "{there}"]])
+def test_json_without_a_file_is_alone_on_standard_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture, words: list[str]
+):
+    here = checkout(tmp_path / "here", {"air": [("a", 1.0)], "sea": [("b", 2.0)]}, "land")
+    there = checkout(tmp_path / "there", {"air": [("a", 4.0)]})
+    monkeypatch.setattr(bench, "HERE", here / "benchmarks")
+    assert bench.main([*(word.format(there=there) for word in words), "--json"]) == 1
+    printed = capfd.readouterr()
+    assert [(one["name"], one["value"]) for one in json.loads(printed.out)] == [("a", 1.0), ("b", 2.0)]
+    assert "without the rows of land" in printed.err
+
+
 def test_both_values_are_in_the_table_and_the_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
 ):

@@ -1,11 +1,12 @@
 """JSON files are read back as written, in folders that did not exist."""
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
 
-from q2q_model.documents.json_file import write_json
+from q2q_model.documents.json_file import STDOUT, text_stream, write_json
 
 DOCUMENT = {"vehicle": "cf1", "z_rmse_m": [0.1, None], "ok": True}
 
@@ -21,3 +22,13 @@ def test_a_number_that_is_not_known_is_null_wherever_it_is(unknown: float, tmp_p
     write_json({"one": unknown, "rows": [(1.0, unknown)], "deep": {"er": [{"x": unknown}]}}, tmp_path / "it")
     known = {"one": None, "rows": [[1.0, None]], "deep": {"er": [{"x": None}]}}
     assert json.loads((tmp_path / "it").read_text(encoding="utf-8")) == known
+
+
+def test_a_document_for_standard_output_is_alone_there(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    write_json(DOCUMENT, STDOUT)
+    print("text", file=text_stream(STDOUT))
+    printed = capsys.readouterr()
+    assert (json.loads(printed.out), printed.err) == (DOCUMENT, "text\n")
+    assert text_stream(None) is text_stream(tmp_path / "it") is sys.stdout

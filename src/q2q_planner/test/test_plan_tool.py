@@ -31,6 +31,16 @@ def test_without_avoidance_it_writes_the_infimum_and_says_not_certified(
     assert load(out).names == ("cf1", "cf2")
 
 
+def test_json_without_a_file_is_alone_on_standard_output(
+    crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "plan.json"
+    assert main([str(crossing), "--no-avoid", "--out", str(out), "--json"]) == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["snap_cost"] == pytest.approx(1.02115e-3, rel=2e-6)
+    assert printed.err.startswith(f"{out}: 2 vehicles, ")
+
+
 def test_a_plan_too_large_for_the_proof_is_said_to_be_that(
     crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,11 +2,13 @@
 
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from math import isfinite
+from pathlib import Path
 from time import process_time
 
-from q2q_model.documents.json_file import write_json
+from q2q_model.documents.json_file import text_stream, write_json
 from q2q_model.geometry.zone import Zone
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
@@ -109,10 +111,17 @@ def run(asked: Namespace) -> int:
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)
     _write_others(asked, made, uploads)
-    if asked.figures:
-        _draw(asked, made, swarm, zone)
+    with redirect_stdout(text_stream(asked.json)):
+        if asked.figures:
+            _draw(asked, made, swarm, zone)
+        _report(asked.out, made, words)
+    return 0
+
+
+def _report(out: Path, made: Planned, words: str) -> None:
+    """Print where the plan is, its cost and its proofs; `words` name its zone."""
     count = len(made.plan.names)
-    print(f"{asked.out}: {count} vehicle{'s' if count > 1 else ''}, {made.plan.duration:g} s")
+    print(f"{out}: {count} vehicle{'s' if count > 1 else ''}, {made.plan.duration:g} s")
     more = f", {made.cost / made.infimum:.4f} times that without avoidance" if made.infimum > 0.0 else ""
     print(f"  snap cost {made.cost:.6g}{more}")
     speed, acceleration, tilt = plan_peaks(made.plan)
@@ -120,7 +129,6 @@ def run(asked: Namespace) -> int:
     print(f"  {_verdict(made)} ({words})")
     if made.wall_proof:
         print(f"  {_wall_verdict(made.wall_proof)} ({made.wall_proof.walls})")
-    return 0
 
 
 def _write_others(asked: Namespace, made: Planned, uploads: Mapping[str, Array]) -> None:

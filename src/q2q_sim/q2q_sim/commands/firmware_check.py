@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import output_file
 from q2q_model.commands.command_line import CommandLine, Work, run_command
-from q2q_sim.scenarios.choices import STDOUT
+from q2q_model.documents.json_file import STDOUT
 
 EXAMPLE = """  ros2 run q2q_sim firmware_check ../shared/data/firmware
   ros2 run q2q_sim firmware_check ../shared/data/firmware --json"""
 TABLES = ("controllers", "planner", "supervisor", "mixer", "compensation")
-"""Value of --json without a file."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -36,7 +36,12 @@ def parser() -> CommandLine:
     made = CommandLine("firmware_check", __doc__, EXAMPLE)
     made.add_argument("folder", type=Path, metavar="FOLDER", help="folder with the five tables")
     made.add_argument(
-        "--json", nargs="?", const=STDOUT, metavar="FILE", help="print JSON instead, or write it to FILE"
+        "--json",
+        nargs="?",
+        type=output_file,
+        const=STDOUT,
+        metavar="FILE",
+        help="print JSON instead, or write it to FILE",
     )
     return made
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from q2q_model.commands.argument_types import output_file, output_folder
 from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.documents.json_file import STDOUT
 
 EXAMPLE = """  scripts/paper
   scripts/paper --only table6,fig10 --json out/paper.json"""
@@ -39,7 +40,14 @@ def parser() -> CommandLine:
     made.add_argument(
         "--out", type=output_folder, default=Path("out/paper"), help="folder of page, PDF, pictures"
     )
-    made.add_argument("--json", type=output_file, metavar="FILE", help="write the rows to this file")
+    made.add_argument(
+        "--json",
+        nargs="?",
+        type=output_file,
+        const=STDOUT,
+        metavar="FILE",
+        help="print the rows as JSON, or write them to FILE",
+    )
     made.add_argument("--again", action="store_true", help="run finished experiments again")
     return made
 

@@ -12,5 +12,3 @@ ENGINES = ("local", "dask")
 """Engines that run a campaign in parallel (q2q_sim.experiments.campaign.parallel_runs)."""
 TABLE_ONLY = "--table-only"
 """Option of the ablation that only writes the table."""
-STDOUT = "-"
-"""File name for standard output."""

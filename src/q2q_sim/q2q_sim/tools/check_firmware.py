@@ -1,23 +1,21 @@
 """Comparison of the emulated firmware with a folder of tables of the real one."""
 
 import csv
-import json
 from argparse import Namespace
 from pathlib import Path
 
-from q2q_model.documents.written_file import write_text
+from q2q_model.documents.json_file import STDOUT, write_json
 from q2q_sim.firmware_check.table_rows import CheckTable
 from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
-from q2q_sim.scenarios.choices import STDOUT
 
 
 def run(args: Namespace) -> int:
     """Compare with the tables of the folder; return 1 if a difference is out of its tolerance."""
     verdict = compare(tables_in(args.folder))
-    words = json.dumps({name: part._asdict() for name, part in verdict._asdict().items()}, indent=1)
-    if args.json not in {None, STDOUT}:
-        write_text(words + "\n", Path(args.json))
-    print(words if args.json == STDOUT else report(verdict))
+    if args.json:
+        write_json({name: part._asdict() for name, part in verdict._asdict().items()}, args.json)
+    if args.json != STDOUT:
+        print(report(verdict))
     return int(not all(one.within for one in tolerance_checks(verdict)))
 
 

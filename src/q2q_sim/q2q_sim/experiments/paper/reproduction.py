@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from q2q_model.documents.json_file import write_json
+from q2q_model.documents.json_file import text_stream, write_json
 from q2q_sim.experiments.paper import learning_tables, planning_tables, tracking_tables
 from q2q_sim.experiments.paper.experiment_cache import PaperCache, fingerprint
 from q2q_sim.experiments.paper.experiment_outcome import Experiment, ExperimentOutcome
@@ -52,7 +52,7 @@ def _reproduce(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None
     write_pdf(numbers, outcomes, out)
     if json_file:
         write_json(as_json(numbers, outcomes), json_file)
-    print(f"paper: {out / 'index.html'}, {out / 'paper.pdf'}")
+    print(f"paper: {out / 'index.html'}, {out / 'paper.pdf'}", file=text_stream(json_file))
     return 0
 
 
