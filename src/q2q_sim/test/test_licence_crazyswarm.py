@@ -211,14 +211,20 @@ allcfs.land(targetHeight=0.04, duration=2.0)
     assert [one.t for one in log.commands] == pytest.approx([end] * 4, abs=1e-3)
 
 
-def test_parameters_are_those_before_the_file_s_and_an_installed_package_is_not_used(tmp_path: Path):
+def test_parameters_have_the_values_set_by_the_program_and_an_installed_package_is_not_used(tmp_path: Path):
     body = """
-assert cf.getParam("stabilizer.controller") == 1
-assert cf.getParam("locSrv.extPosStdDev") > 0.005
+from math import isnan
+assert isnan(cf.getParam("stabilizer.controller"))
 cf.setParam("locSrv.extPosStdDev", 0.25)
 assert cf.getParam("locSrv.extPosStdDev") == 0.25
 cf.setParam("no.such", 1)
-assert cf.getParam("no.such") != cf.getParam("no.such")
+assert isnan(cf.getParam("no.such"))
+for wrong in ("off", None, float("nan")):
+    cf.setParam("ring.effect", wrong)
+    allcfs.setParam("ring.effect", wrong)
+assert isnan(cf.getParam("ring.effect"))
+cf.setParam("ring.effect", "3")
+assert cf.getParam("ring.effect") == 3
 assert cf.initialPosition.tolist() == [0.0, 0.3, 0.0]
 assert list(allcfs.crazyfliesByName) == ["cfa"] and list(allcfs.crazyfliesById) == [231]
 allcfs.setParam("ring.effect", 7)
@@ -232,7 +238,8 @@ assert abs(waited - PRESS) < 0.05, waited
     served = ServedVehicle("cfa", uri, (0.0, 0.3, 0.0))
     log = log_of(fly(tmp_path, body, served=(served,)))
     assert log.names == ("cfa",)
-    assert "keyError raised 'no.such'" in log.output
+    assert "no.such = 1 is not set: KeyError('no.such')" in log.output
+    assert "ring.effect = 'off' is not set: ValueError" in log.output
 
 
 @pytest.mark.parametrize(

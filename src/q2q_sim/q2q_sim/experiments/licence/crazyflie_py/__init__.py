@@ -11,6 +11,7 @@ licence, commit f6154e2), the packets those of its library crazyflie_cpp; neithe
 | server_packets | packets of each command |
 | server_links | links to the vehicles: one by one in order, or to all at once and unacknowledged |
 | connection | what the server does when it connects: parameters, logs |
+| program_parameters | values that a program sets, converted or refused |
 | reports | pose and status in the vehicles' logs |
 | vehicle_calls | class Crazyflie |
 | swarm_calls | class CrazyflieServer: commands to all vehicles |

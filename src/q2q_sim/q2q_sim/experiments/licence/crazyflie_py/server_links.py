@@ -56,12 +56,13 @@ class ServerLinks:
                 self._enqueue(number, packet, sender)
         self._host.scheduler.spend(CALL_S)
 
-    def set_up(self, number: int, packet: Packet) -> bytes:
-        """Send a packet of the server's own; return the data of the answer, empty if there is none."""
+    def set_up(self, number: int, packet: Packet) -> None:
+        """Send a packet of the server's own, and drop the answer."""
         link = self._links[number]
         before = len(link.inbox)
         self._host.room.deliver(link, datagram_of(packet), self.now, Sender(0, closing=False))
-        return link.inbox.pop()[1:] if len(link.inbox) > before else b""
+        if len(link.inbox) > before:
+            link.inbox.pop()
 
     def ask(self, number: int, packet: Packet) -> None:
         """Send a packet by a call of the program that waits until it has arrived."""

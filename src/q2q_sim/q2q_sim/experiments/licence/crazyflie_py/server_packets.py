@@ -134,11 +134,6 @@ def emergency() -> Packet:
     return Packet(Port.LOCALIZATION, localization.GENERIC, bytes([localization.EMERGENCY_STOP]))
 
 
-def parameter_read(number: int) -> Packet:
-    """Return the question for a parameter by its number in the table."""
-    return Packet(Port.PARAM, parameters.READ, struct.pack("<H", number))
-
-
 def parameter_write(number: int, one: Definition, value: float) -> Packet:
     """Return a new value of a parameter."""
     return Packet(Port.PARAM, parameters.WRITE, struct.pack("<H", number) + TYPES[one.kind].packed(value))

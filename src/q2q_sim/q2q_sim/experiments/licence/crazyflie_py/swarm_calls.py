@@ -2,8 +2,9 @@
 
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
-from q2q_sim.experiments.licence.crazyflie_py.connection import NUMBERS, connect
+from q2q_sim.experiments.licence.crazyflie_py.connection import connect
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import flag, real, seconds, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.program_parameters import NUMBERS, number_set
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.vehicle_calls import (
@@ -26,8 +27,8 @@ class CrazyflieServer(Absence):
         self.crazyflies = [CrazyflieCalls(self, links, number, one) for number, one in enumerate(vehicles)]
         self.crazyfliesByName = {one.prefix[1:]: one for one in self.crazyflies}
         self.crazyfliesById = {int(one.uri[-2:], 16): one for one in self.crazyflies}
-        for number, (one, served) in enumerate(zip(self.crazyflies, vehicles, strict=True)):
-            one.parameters = connect(links, number, served)
+        for number, served in enumerate(vehicles):
+            connect(links, number, served)
 
     def emergency(self) -> None:
         """Stop the motors of all until a reboot."""
@@ -77,12 +78,9 @@ class CrazyflieServer(Absence):
 
     def setParam(self, name: str, value: float) -> None:
         """Set a parameter of all."""
-        if name not in NUMBERS:
-            print(f"setParam: keyError raised {name!r}")
-            return
-        one = TABLE[NUMBERS[name]]
-        asked = float(value) if one.kind == "float" else int(value)
-        self._links.broadcast(server_packets.parameter_write_by_name(one, asked))
+        asked = number_set(name, value)
+        if asked is not None:
+            self._links.broadcast(server_packets.parameter_write_by_name(TABLE[NUMBERS[name]], asked))
 
     def cmdFullState(self, pos: Points, vel: Points, acc: Points, yaw: float, omega: Points) -> None:
         """Send one full-state setpoint to all: [m], [m/s], [m/s^2], world; [rad]; [rad/s], body."""

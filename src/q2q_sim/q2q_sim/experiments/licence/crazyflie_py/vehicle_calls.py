@@ -7,7 +7,6 @@ import numpy as np
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
-from q2q_sim.experiments.licence.crazyflie_py.connection import NUMBERS
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
     coefficients,
     flag,
@@ -16,6 +15,7 @@ from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
     three,
     whole,
 )
+from q2q_sim.experiments.licence.crazyflie_py.program_parameters import NUMBERS, number_set
 from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport, report_in_packet
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
@@ -127,20 +127,18 @@ class CrazyflieCalls(Absence):
         self._links.send(self._number, server_packets.arming(arm=flag(arm, "arm")))
 
     def getParam(self, name: str) -> float:
-        """Return a parameter as the server read it when it connected, or as set since by setParam."""
+        """Return a parameter as set by setParam; not a number before, as the server reads none by itself."""
         if name not in self.parameters:
-            print(f"getParam: keyError raised {name!r}")
-            return float("nan")
-        return self.parameters[name]
+            print(f"getParam: {name} has no value: server.yaml has query_all_values_on_connect: False")
+        return self.parameters.get(name, float("nan"))
 
     def setParam(self, name: str, value: float) -> None:
         """Set a parameter."""
-        if name not in NUMBERS:
-            print(f"setParam: keyError raised {name!r}")
+        asked = number_set(name, value)
+        if asked is None:
             return
-        place = NUMBERS[name]
-        self.parameters[name] = float(value) if TABLE[place].kind == "float" else int(value)
-        packet = server_packets.parameter_write(place, TABLE[place], self.parameters[name])
+        self.parameters[name] = asked
+        packet = server_packets.parameter_write(NUMBERS[name], TABLE[NUMBERS[name]], asked)
         self._links.send(self._number, packet)
 
     def cmdFullState(self, pos: Points, vel: Points, acc: Points, yaw: float, omega: Points) -> None:
