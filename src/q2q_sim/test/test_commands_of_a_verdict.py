@@ -3,8 +3,6 @@
 import numpy as np
 from judged_hover import TICKS, T, flown, moved, output
 
-from q2q_model.signals.values import CommandStatus
-
 
 def test_commands_that_end_before_the_flight_are_reported_first_as_they_came_first() -> None:
     status = np.zeros((TICKS, 2))
