@@ -4,7 +4,7 @@ import numpy as np
 from resting_signals import level_command
 
 from q2q_model.signals.values import Names, SwarmCommand
-from q2q_sim.link.conflicting_commands import RECENT, ConflictingCommands
+from q2q_sim.link.conflicting_commands import RECENT, ConflictingCommands, conflict_note
 
 NAMES = ("cf1", "cf2")
 TICK_NS = 10_000_000
@@ -53,3 +53,9 @@ def test_controllers_of_a_vehicle_each_and_commands_sent_again_are_right() -> No
 
 def test_an_emergency_that_cuts_what_its_tick_commanded_is_one_controller() -> None:
     assert conflicts((0, command(0.3)), (1, command(0.3)), (1, command(0.0)), (2, command(0.0))) == ()
+
+
+def test_vehicles_that_two_nodes_fly_are_named_with_the_nodes_unless_one_has_left() -> None:
+    message = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
+    assert conflict_note(("cf2",), ["mpc", "pid"]) == message
+    assert conflict_note(("cf2",), ["pid"]) == ""

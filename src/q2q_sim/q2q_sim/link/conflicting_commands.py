@@ -5,6 +5,7 @@ what its tick has commanded. So a vehicle has two controllers from TWICE such ti
 """
 
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -37,6 +38,14 @@ class ConflictingCommands:
         conflicts = tuple(sorted(name for name, ticks in self._conflicts.items() if ticks >= TWICE))
         self._conflicts.clear()
         return conflicts
+
+
+def conflict_note(vehicles: Names, writers: Sequence[str]) -> str:
+    """Return what to do about vehicles that two writers of `command` fly; empty for fewer writers."""
+    if len(writers) < 2:
+        return ""
+    what = f"command: two nodes fly {', '.join(vehicles)}: stop one, or give each `vehicles` of its own"
+    return f"{what} ({', '.join(writers)} write it)"
 
 
 def _at_odds(one: SwarmCommand, other: SwarmCommand) -> list[str]:

@@ -36,6 +36,7 @@ from q2q_model.signals.cdr.cdr_writer import encode_stamp
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand
+from q2q_sim.link.conflicting_commands import conflict_note
 from q2q_sim.loop.flight_clock import timing_as_text
 from q2q_sim.loop.flight_output import OUTPUTS, Output
 from q2q_sim.loop.room_flight import RoomFlight, warm_up_room
@@ -169,14 +170,8 @@ class Simulator:
 
     def _conflicts(self) -> str:
         """Return which vehicles two nodes command, and what to do; empty for none."""
-        conflicts = self._flight.conflicts.take_conflicts()
-        writers = publishers_of(self._node, COMMAND) if conflicts else []
-        if len(writers) < 2:
-            return ""
-        message = (
-            f"{COMMAND}: two nodes fly {', '.join(conflicts)}: stop one, or give each `vehicles` of its own"
-        )
-        return f"{message} ({', '.join(writers)} write it)"
+        vehicles = self._flight.conflicts.take_conflicts()
+        return conflict_note(vehicles, publishers_of(self._node, COMMAND)) if vehicles else ""
 
 
 def main() -> None:
