@@ -60,4 +60,4 @@ def _nodes(executor: Executor) -> Iterator[list[Node]]:
             node.destroy_node()
     finally:
         for made in kept.values():
-            stack.close_ports(made)
+            stack.close_node(made)

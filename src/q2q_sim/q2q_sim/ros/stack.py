@@ -79,7 +79,7 @@ def build() -> dict[Node, object]:
     return made
 
 
-def close_ports(made: object) -> None:
+def close_node(made: object) -> None:
     """Close the ports of a simulator and the bag of a recorder."""
     if isinstance(made, Simulator | Recorder):
         made.close()
@@ -87,4 +87,4 @@ def close_ports(made: object) -> None:
 
 def main() -> None:
     """Run the process `stack`."""
-    run_together("stack", build, close_ports)
+    run_together("stack", build, close_node)
