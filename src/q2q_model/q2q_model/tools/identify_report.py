@@ -21,23 +21,12 @@ UNITS = {one.name: tunable_of(one).unit for one in fields(Jet)} | {"slowness": "
 
 def report(found: Identification, seconds: dict[str, float]) -> dict[str, object]:
     """Return the report in the form documented for `identify`."""
-    loop = found.file.gains
     return {
         "outliers": {
             "found": sum(one.outliers for one in every_record(found.data)),
             "samples": sum(one.samples for one in every_record(found.data)),
         },
-        "gains": {
-            "k_p": found.gains.k_p.as_list(),
-            "k_d": found.gains.k_d.as_list(),
-            "identifiable": {"k_p": found.gains.k_p.is_positive, "k_d": found.gains.k_d.is_positive},
-            "k_i": found.gains.loop.k_i,
-            "offset_mps2": found.gains.loop.offset,
-            "lag_s": loop.lag if loop else 0.0,
-            "needs_offset": found.gains.needs_offset,
-            "needs_integral": found.gains.needs_integral,
-            "source": "commands" if found.gains.from_commands else "trajectories",
-        },
+        "gains": _gains(found),
         "zone": _zone(found),
         "model": _model(found),
         "loading": {
@@ -94,6 +83,21 @@ def _gain(name: str, found: Interval, unit: str) -> str:
     if found.high < 0.0:
         remark = ": negative, the commands lead away from the reference"
     return f"{name} {_ranged(found, unit, digits=5)}{remark}"
+
+
+def _gains(found: Identification) -> dict[str, object]:
+    loop = found.file.gains
+    return {
+        "k_p": found.gains.k_p.as_list(),
+        "k_d": found.gains.k_d.as_list(),
+        "identifiable": {"k_p": found.gains.k_p.is_positive, "k_d": found.gains.k_d.is_positive},
+        "k_i": found.gains.loop.k_i,
+        "offset_mps2": found.gains.loop.offset,
+        "lag_s": loop.lag if loop else 0.0,
+        "needs_offset": found.gains.needs_offset,
+        "needs_integral": found.gains.needs_integral,
+        "source": "commands" if found.gains.from_commands else "trajectories",
+    }
 
 
 def _zone(found: Identification) -> dict[str, object]:
