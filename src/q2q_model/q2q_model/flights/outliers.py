@@ -27,6 +27,7 @@ accepted, a marker swap of a few tenths of a second is not.
 import numpy as np
 
 from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP, OutlierThresholds
+from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.signals.values import Array, Mask, Rows
 
 MEDIAN_REACH = 5
@@ -61,14 +62,7 @@ def repair(t: Array, values: Array, bad: Mask) -> Array:
     Rows before the first and after the last good row take the nearest good one; a track without any good
     row is NaN.
     """
-    flat = values.reshape(len(t), -1, values.shape[-1]).copy()
-    marks = bad.reshape(len(t), -1)
-    for column in range(flat.shape[1]):
-        good = ~marks[:, column]
-        for axis in range(flat.shape[2]):
-            known = flat[good, column, axis]
-            flat[~good, column, axis] = np.interp(t[~good], t[good], known) if good.any() else np.nan
-    return flat.reshape(values.shape)
+    return resample(t, np.where(bad[..., None], np.nan, values), t)
 
 
 def _outliers_of_track(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
