@@ -74,6 +74,21 @@ def flights_folder() -> Path:
     return Path(os.environ.get("Q2Q_DATA", "../shared/data")) / FLIGHTS
 
 
+def flight_path(name: str) -> Path:
+    """Return the file of a real flight.
+
+    Raises:
+        ValueError: Q2Q_DATA is not a folder of flights, or has no flight of this name.
+    """
+    folder = flights_folder()
+    known = sorted(path.stem for path in folder.glob("*.parquet"))
+    if not known:
+        raise ValueError(f"no recorded flights in {folder}: set Q2Q_DATA to the folder that holds {FLIGHTS}/")
+    if name not in known:
+        raise ValueError(f"no flight {name!r} in {folder}; there are {', '.join(known)}")
+    return folder / f"{name}.parquet"
+
+
 def air_path(name: str) -> Path:
     """Return the file of an air, given by the name of a shipped one or by its path.
 

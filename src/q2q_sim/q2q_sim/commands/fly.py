@@ -9,9 +9,9 @@ from q2q_model.commands.argument_types import output_file, output_folder, whole_
 from q2q_model.commands.command_line import CommandLine, Work, given_options, run_command
 from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
-from q2q_sim.air.air_names import check_air
+from q2q_sim.air.air_names import check_air, flight_path
 from q2q_sim.scenarios import scenario_files
-from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS, WAKES
+from q2q_sim.scenarios.choices import AIR_TERMS, CONTROLLERS, REPLANNERS, TOPICS, WAKES
 
 EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
@@ -55,6 +55,8 @@ def _check(args: Namespace) -> None:
         check_air(args.air)
         if args.wake:
             raise ValueError(f"--wake {args.wake} and --air {args.air}: give one of them")
+    if args.distributed and args.controller != "mpc":
+        raise ValueError(f"--distributed with --controller {args.controller}: give --controller mpc")
     if not (args.aware or args.limit):
         raise ValueError("--ignoring and --no-limit: a controller that ignores the downwash keeps the limit")
     if args.model:
@@ -71,6 +73,7 @@ def _check_replay(args: Namespace) -> None:
             f"--real {args.real} and {', '.join(ignored)}: a replay has only the options --model and --json; "
             "everything else is as it was recorded"
         )
+    flight_path(args.real)
 
 
 def parser() -> CommandLine:
@@ -169,7 +172,12 @@ def _add_physics(made: CommandLine) -> None:
         help="air in place of the file's wake and disturbance: a shipped name, a .air file, or module:Class",
     )
     made.add_argument(
-        "--air-without", nargs="+", default=[], metavar="TERM", help="terms of the air model to switch off"
+        "--air-without",
+        nargs="+",
+        default=[],
+        choices=AIR_TERMS,
+        metavar="TERM",
+        help="terms of the air model to switch off",
     )
 
 
@@ -179,6 +187,7 @@ def _add_output(made: CommandLine) -> None:
         "--record",
         nargs="+",
         default=[],
+        choices=TOPICS,
         metavar="TOPIC",
         help="topics for the bag beside those of numbers and verdict (default: all; without --bag none)",
     )

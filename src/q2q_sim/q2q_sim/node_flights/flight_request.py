@@ -57,8 +57,6 @@ def load_scenario(request: FlightRequest) -> Scenario:
     """Return the scenario with the requested vehicle, wake, air and model; refuse what cannot be flown."""
     scenario = with_choices(library.load(request.scenario), request.vehicle, request.wake)
     scenario = with_air(scenario, request.air, request.air_without)
-    if request.distributed and request.controller != "mpc":
-        raise ValueError(f"--distributed with --controller {request.controller}: give --controller mpc")
     if request.plan == "avoid" and scenario.plan is not None:
         raise ValueError(f"{request.scenario} is flown by its own plan: leave out --plan avoid")
     flown = replace(scenario, model=request.model) if request.model else scenario

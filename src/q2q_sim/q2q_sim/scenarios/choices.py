@@ -8,6 +8,31 @@ REPLANNERS = ("none", "paper", "safe")
 """Online replanners (q2q_sim.loop.flight_blocks)."""
 WAKES = LAWS
 """True wakes of the simulator (q2q_sim.air.wake_laws)."""
+AIR_TERMS = (
+    "jet",
+    "absorption",
+    "meander",
+    "residual",
+    "edge_torque",
+    "ground",
+    "wind",
+    "vehicle",
+    "rotor_drag",
+    "rate_load",
+)
+"""Terms of an air (q2q_sim.air.room_air)."""
+TOPICS = (
+    "mocap",
+    "truth",
+    "truth_interference",
+    "imu",
+    "state",
+    "reference",
+    "reference_safe",
+    "interference",
+    "command",
+)
+"""Topics of every tick, which a bag may hold (q2q_sim.bag_topics.topics)."""
 ENGINES = ("local", "dask")
 """Engines that run a campaign in parallel (q2q_sim.experiments.campaign.parallel_runs)."""
 TABLE_ONLY = "--table-only"

@@ -27,7 +27,7 @@ from q2q_model.identification.push.recorded_push import log_mass, motion_of, pus
 from q2q_model.recordings.recording_reader import flight_of_bag
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
-from q2q_sim.air.air_names import FLIGHTS, flights_folder
+from q2q_sim.air.air_names import flight_path
 from q2q_sim.node_flights.nodes_on_bag import replay
 from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
@@ -40,7 +40,7 @@ OUT = Path("out/real")
 def replay_recorded_flight(name: str, model: str, json_file: Path | None) -> int:
     """Replay a real flight, print and draw the prediction of its downwash; return the exit status."""
     chosen = model or DEFAULT_MODEL
-    table = flight_table(read_columns(find_flight(name)))
+    table = flight_table(read_columns(flight_path(name)))
     with TemporaryDirectory(prefix="q2q-real-") as scratch:
         bag = Path(scratch) / name
         write_bag(table, bag)
@@ -80,18 +80,3 @@ def print_score(name: str, model: str, found: PushScore) -> None:
     print(f"  R2 {found.r2_exposed:.3f}, rmse {found.rmse_exposed_mps2:.3f} m/s^2")
     if found.mean_upper_mps2 is not None:
         print(f"  upper vehicles feel {found.mean_upper_mps2:+.3f} m/s^2 in the mean")
-
-
-def find_flight(name: str) -> Path:
-    """Return the file of a real flight.
-
-    Raises:
-        ValueError: Q2Q_DATA is not a folder of flights, or has no flight of this name.
-    """
-    folder = flights_folder()
-    known = sorted(path.stem for path in folder.glob("*.parquet"))
-    if not known:
-        raise ValueError(f"no recorded flights in {folder}: set Q2Q_DATA to the folder that holds {FLIGHTS}/")
-    if name not in known:
-        raise ValueError(f"no flight {name!r} in {folder}; there are {', '.join(known)}")
-    return folder / f"{name}.parquet"
