@@ -81,6 +81,14 @@ def parser() -> CommandLine:
         choices=("stop_and_go", "free"),
         help="reading of eq. (17), in place of the file's (if it names none: stop_and_go)",
     )
+    _add_further_files(made)
+    _add_zone(made)
+    _add_risk(made)
+    _add_limits(made)
+    return made
+
+
+def _add_further_files(made: CommandLine) -> None:
     made.add_argument("--csv", type=output_file, help="write setpoints at 100 Hz to this file")
     made.add_argument(
         "--upload", type=output_folder, help="write <name>.csv for Crazyswarm2's upload into this folder"
@@ -90,10 +98,6 @@ def parser() -> CommandLine:
         type=output_folder,
         help="draw Figs 10 to 13 and a 3-D view of plan and zone into this folder",
     )
-    _add_zone(made)
-    _add_risk(made)
-    _add_limits(made)
-    return made
 
 
 def _add_zone(made: CommandLine) -> None:
