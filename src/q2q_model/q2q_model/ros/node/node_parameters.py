@@ -10,7 +10,11 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.exceptions import (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterNotDeclaredException,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -46,6 +50,18 @@ def refuse_undeclared(nodes: Iterable[Node]) -> None:
     given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy has no accessor)
     for name in sorted(given - known):
         raise ValueError(f"no parameter {name}; {name_hint(name, sorted(known))}")
+
+
+def name_undeclared(node: Node) -> None:
+    """Answer who sets an undeclared parameter by its name and the nearest one; rclpy's reason is "[]"."""
+
+    def checked(asked: list[Parameter]) -> list[Parameter]:
+        for name in (one.name for one in asked if not node.has_parameter(one.name)):
+            hint = name_hint(name, node.list_parameters([], 0).names)
+            raise ParameterNotDeclaredException(f"{name}; {hint}")
+        return asked
+
+    node.add_pre_set_parameters_callback(checked)
 
 
 def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:

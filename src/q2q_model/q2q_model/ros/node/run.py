@@ -27,7 +27,7 @@ from q2q_model.node.log_folder import provide_log_folder
 from q2q_model.node.loopback import restrict
 from q2q_model.node.ros_refusal import refusal_of_ros
 from q2q_model.ros.node.bounded_spin import BoundedSpin
-from q2q_model.ros.node.node_parameters import refuse_undeclared
+from q2q_model.ros.node.node_parameters import name_undeclared, refuse_undeclared
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 
 LEAVE_S = 20
@@ -79,6 +79,7 @@ def run_together(
         kept = build()
         refuse_undeclared(kept)
         for node in kept:
+            name_undeclared(node)
             offer_ready(node)
             offer_drained(node)
             node.get_logger().info("running")
