@@ -1,4 +1,4 @@
-"""The documents are true: pages are what the nodes say, links lead somewhere, commands exist."""
+"""The documents are true: links lead somewhere, commands exist."""
 
 import json
 import os
@@ -20,13 +20,8 @@ from documentation import Block, Command, commands, documents, is_dead, links, s
 from fresh_checkout import ROOT
 
 from q2q_model.commands.command_line import CommandLine
-from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.tunable import tunable_of
-from q2q_sim.bag_topics.topics import LATCHED_TYPES, is_latched
 from q2q_sim.commands.docs import OUT
 from q2q_sim.processes.processes import find_executable
-from q2q_sim.ros.node_survey import NodeInterface, survey
-from q2q_sim.tools.docs.node_pages import out_of_date, pages, table
 
 NODES_TOGETHER = "stack"
 """A process of several nodes: like a node it takes parameters only."""
@@ -42,68 +37,6 @@ SNIPPETS = snippets()
 SHELL = ("source", "export")
 """Words of the shell itself."""
 DRY = [one for one in ALL if one.program[0] not in (*SHELL, *IN_BASH, "python", "scripts/ros2-small")]
-
-
-@pytest.fixture(scope="module")
-def nodes() -> list[NodeInterface]:
-    return survey()
-
-
-def test_the_node_pages_are_what_the_nodes_declare(nodes: list[NodeInterface]):
-    assert out_of_date(pages(nodes), ROOT / OUT) == [], "run scripts/docs"
-
-
-def test_a_page_reports_every_field_of_the_parameters_with_unit_and_bounds(nodes: list[NodeInterface]):
-    page = pages(nodes)["mocap_filter.md"]
-    for field in MocapFilterParams.__dataclass_fields__.values():
-        row = next(line for line in page.splitlines() if line.startswith(f"| `{field.name}` |"))
-        spec = tunable_of(field)
-        assert f"`{field.default}`" in row
-        assert f"[{spec.unit}]" in row
-        assert f"{spec.low:g}" in row
-
-
-def test_what_a_node_publishes_for_a_vehicle_is_on_its_page(nodes: list[NodeInterface]):
-    ports = {node.executable: {port.name for port, _ in node.ports} for node in nodes}
-    assert {"state", "mocap", "<name>/pose", "<name>/odom"} <= ports["mocap_filter"]
-    assert {"command", "state", "reference_safe", "interference", "<name>/cmd_vel_legacy"} <= ports["pid"]
-
-
-def test_the_player_knows_every_topic_that_a_node_latches(nodes: list[NodeInterface]):
-    topics = [port for node in nodes for port, _ in node.ports if port.direction in {"publishes", "reads"}]
-    latched = {port for port in topics if "transient local" in port.quality}
-    assert {(port.name.rpartition("/")[2], port.kind) for port in latched} == set(LATCHED_TYPES.items())
-    assert not [port for port in topics if is_latched(port.name, port.kind) and port not in latched]
-
-
-def test_a_topic_that_takes_a_parameter_says_which(nodes: list[NodeInterface]):
-    pid = next(node for node in nodes if node.executable == "pid")
-    when = {port.name: words for port, words in pid.ports}
-    assert when["interference"] == "`aware`: true"
-    assert when["state"] == ""
-
-
-def test_only_parameters_that_the_node_heeds_may_change_in_flight(nodes: list[NodeInterface]):
-    heeded = {
-        (node.executable, one.name): yes and not one.read_only
-        for node in nodes
-        for one, yes in node.parameters
-    }
-    assert heeded["pid", "k_p_z"]
-    assert not heeded["pid", "vehicle"]
-    assert not heeded["simulator", "seed"]
-
-
-def test_a_page_that_is_missing_changed_or_of_no_node_is_out_of_date(tmp_path: Path):
-    (tmp_path / "same.md").write_text("a")
-    (tmp_path / "changed.md").write_text("b")
-    (tmp_path / "left.md").write_text("c")
-    expected = {"same.md": "a", "changed.md": "B", "missing.md": "d"}
-    assert out_of_date(expected, tmp_path) == ["changed.md", "left.md", "missing.md"]
-
-
-def test_a_bar_in_a_cell_does_not_end_it():
-    assert table(("a", "b"), [("|x|", "y")]).splitlines()[2] == r"| \|x\| | y |"
 
 
 SHIPPED_JSON = [
@@ -151,18 +84,6 @@ def test_every_command_names_a_program_options_and_files_that_exist(command: Com
     known = known_words(command.program)
     assert [option for option in command.options if option not in known] == []
     assert [name for name in command.files if not (ROOT / name).exists()] == []
-
-
-def test_every_parameter_that_a_command_sets_is_declared_and_of_its_type(nodes: list[NodeInterface]):
-    declared = {
-        (node.package, node.executable): {one.name: one for one, _ in node.parameters} for node in nodes
-    }
-    for command in ALL:
-        for name, value in command.parameters.items():
-            default = declared[command.words[2], command.words[3]][name].default
-            plain = yaml.safe_load(value)
-            if isinstance(default, bool | int | float | str):  # an empty list has no type of its own
-                assert isinstance(plain, type(default)), f"{command.where}: {name}"
 
 
 class _ParsedError(Exception):

@@ -47,7 +47,7 @@ def nodes() -> list[NodeInterface]:
 def declared_by(nodes: list[NodeInterface], spec: NodeSpec) -> set[str]:
     """Return the parameters of the node that a spec starts."""
     found = next(one for one in nodes if (one.package, one.executable) == (spec.package, spec.executable))
-    return {parameter.name for parameter, _ in found.parameters}
+    return {parameter.declared.name for parameter in found.parameters}
 
 
 @pytest.mark.parametrize("controller", ["pid", "mpc"])

@@ -18,6 +18,9 @@ SCENARIO = "table6"
 
 Configuration = dict[str, ParameterValue]
 
+ANY_BUT: dict[str, str] = {"correct_vehicle": "none", "poses_out": "empty"}
+"""Parameters of which any value has the same topics, but for the one that switches them off."""
+
 
 def configurations(executable: str, folder: Path) -> list[Configuration]:
     """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
@@ -30,7 +33,7 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
             {"plan": str(folder / "plan.json"), "wait": False},
         ],
         "replanner": [{"law": "paper"}, {"law": "safe"}],
-        "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
+        "simulator": [{"crtp": crtp, "crtp_port": 0} for crtp in (False, True)],
         "bag_record": [{"bag": str(folder / "made")}],
         "bag_play": [
             played | {"wait_for": "", "clock": False},

@@ -21,10 +21,22 @@ from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.node_configurations import VEHICLE, Configuration, configurations, write_start_files
+from q2q_sim.ros.required_parameters import required_parameters
 from q2q_sim.ros.stand_in import Declared, RecordedPort, StandInNode
 from q2q_sim.ros.surveyed_ports import surveyed_ports
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyedParameter:
+    """Parameter of a node."""
+
+    declared: Declared
+    settable: bool
+    """Whether it takes effect in flight."""
+    requires: str
+    """Parameters without which the node does not declare it; empty for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +49,7 @@ class NodeInterface:
     """The node module's docstring."""
     ports: tuple[tuple[RecordedPort, str], ...]
     """Each with the parameters it requires; empty for always."""
-    parameters: tuple[tuple[Declared, bool], ...]
-    """Each with whether it takes effect in flight."""
+    parameters: tuple[SurveyedParameter, ...]
 
 
 def survey() -> list[NodeInterface]:
@@ -94,12 +105,15 @@ def _surveyed(package: str, name: str) -> NodeInterface:
         executable=executable,
         description=(module.__doc__ or "").strip(),
         ports=tuple(surveyed_ports(built, chosen)),
-        parameters=tuple(
-            {
-                one.name: (one, node.is_settable(one.name)) for node in built for one in node.parameters
-            }.values()
-        ),
+        parameters=tuple(_parameters(built, chosen)),
     )
+
+
+def _parameters(built: list[StandInNode], chosen: list[Configuration]) -> list[SurveyedParameter]:
+    """Return every parameter once, as the last configuration that has it declares it."""
+    required = required_parameters([[one.name for one in node.parameters] for node in built], chosen)
+    found = {one.name: (one, node.is_settable(one.name)) for node in built for one in node.parameters}
+    return [SurveyedParameter(*found[name], requires) for name, requires in required.items()]
 
 
 def _built(module: ModuleType, executable: str, configuration: Configuration) -> StandInNode:

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.documents.written_file import write_text
-from q2q_sim.ros.node_survey import NodeInterface, survey
-from q2q_sim.ros.stand_in import Declared, RecordedPort
+from q2q_sim.ros.node_survey import NodeInterface, SurveyedParameter, survey
+from q2q_sim.ros.stand_in import RecordedPort
 from q2q_sim.tools.docs.animation import write_animation
 from q2q_sim.tools.docs.images import OUT, write_images
 
@@ -72,7 +72,7 @@ def page(node: NodeInterface) -> str:
     command = f"    ros2 run {node.package} {node.executable}"
     topics = [_port_row(port, when) for port, when in node.ports if port.direction != "serves"]
     services = [_port_row(port, when)[1:] for port, when in node.ports if port.direction == "serves"]
-    parameters = [_parameter_row(one, settable=settable) for one, settable in node.parameters]
+    parameters = [_parameter_row(one) for one in node.parameters]
     return "\n".join(
         [
             f"{MADE}\n# {node.executable}\n\n{node.description}\n\n{command}\n\n## Topics\n",
@@ -80,7 +80,7 @@ def page(node: NodeInterface) -> str:
             "## Services\n",
             table(("service", "type", "", "only with"), services),
             "## Parameters\n",
-            table(("parameter", "default", "allowed", "in flight", "meaning"), parameters)
+            table(("parameter", "default", "allowed", "in flight", "only with", "meaning"), parameters)
             if parameters
             else "None.\n",
         ]
@@ -104,9 +104,17 @@ def _port_row(port: RecordedPort, when: str) -> tuple[str, ...]:
     return port.direction, f"`{port.name}`", f"`{port.kind}`", port.quality, when
 
 
-def _parameter_row(one: Declared, *, settable: bool) -> tuple[str, ...]:
-    changes = "may change" if settable and not one.read_only else "fixed"
-    return f"`{one.name}`", f"`{_default(one.default)}`", one.allowed, changes, one.description
+def _parameter_row(one: SurveyedParameter) -> tuple[str, ...]:
+    given = one.declared
+    changes = "may change" if one.settable and not given.read_only else "fixed"
+    return (
+        f"`{given.name}`",
+        f"`{_default(given.default)}`",
+        given.allowed,
+        changes,
+        one.requires,
+        given.description,
+    )
 
 
 def _default(default: object) -> str:
