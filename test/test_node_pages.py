@@ -1,4 +1,4 @@
-"""Pages of nodes and parameters in documented commands are what the nodes declare."""
+"""Pages of nodes, the table of signals, and parameters in documented commands are what the nodes declare."""
 
 from pathlib import Path
 
@@ -13,6 +13,9 @@ from q2q_sim.bag_topics.topics import LATCHED_TYPES, is_latched
 from q2q_sim.commands.docs import OUT
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.docs.node_pages import out_of_date, pages, table
+
+OF_EVERY_TOPIC = ("bag_record", "bag_play")
+"""Nodes that read topics of any name."""
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +96,21 @@ def test_a_page_that_is_missing_changed_or_of_no_node_is_out_of_date(tmp_path: P
 
 def test_a_bar_in_a_cell_does_not_end_it():
     assert table(("a", "b"), [("|x|", "y")]).splitlines()[2] == r"| \|x\| | y |"
+
+
+def test_the_table_of_signals_names_every_node_that_reads_one(nodes: list[NodeInterface]):
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    section = page.partition("## Signals")[2].partition("\n## ")[0]
+    rows = [line.split(" | ") for line in section.splitlines()]
+    to = {cells[0].strip("| `"): cells[3] for cells in rows if len(cells) == 4}
+    read = {
+        (port.name, node.executable)
+        for node in nodes
+        for port, _ in node.ports
+        if port.direction == "reads" and node.executable not in OF_EVERY_TOPIC
+    }
+    assert {"mocap", "state", "command", "imu"} <= to.keys()
+    assert {(topic, node) for topic, node in read if topic in to and node not in to[topic]} == set()
 
 
 def test_every_parameter_that_a_command_sets_is_declared_and_of_its_type(nodes: list[NodeInterface]):
