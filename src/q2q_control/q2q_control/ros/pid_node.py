@@ -18,7 +18,7 @@ from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.model_files.find_model import find_model
-from q2q_model.ros.node.node_parameters import declare, on_change
+from q2q_model.ros.node.node_parameters import declare, on_change, withhold
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import SwarmCommand
@@ -44,7 +44,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     params = declare(node, PidParams(), in_flight=True)
     if own.live and (warning := soft_altitude(params)):
         node.get_logger().warning(warning)
-    block = _correcting_pid(node, own, params, vehicle) if own.correct else Pid(params, vehicle, own.vehicles)
+    choose = _correcting_pid if own.correct else _plain_pid
+    block = choose(node, own, params, vehicle)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
     if isinstance(block, ObservedPid):
@@ -52,6 +53,13 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     wiring.warm_up(guarded.update, guarded.reset, own.vehicles)
     wiring.start(guarded.update)
     return wiring
+
+
+def _plain_pid(node: Node, own: ControllerNodeParams, params: PidParams, vehicle: Vehicle) -> Pid:
+    """Return the PID that takes the downwash as predicted."""
+    for absent in (PidNodeParams(), TrackerParams()):
+        withhold(node, absent, "correct:=true")
+    return Pid(params, vehicle, own.vehicles)
 
 
 def _correcting_pid(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from rclpy.node import Node
 
 from q2q_model.diagnostics.health import Health
-from q2q_model.ros.node.node_parameters import declare, on_change
+from q2q_model.ros.node.node_parameters import declare, on_change, withhold
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
@@ -21,7 +21,7 @@ from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.setpoint_warnings import SetpointWarnings
 
-SAFE = "safe"
+PAPER, SAFE = "paper", "safe"
 PREFIX = f"{SAFE}."
 """Prefix of the safe replanner's parameters, some of which have the names of the paper's."""
 
@@ -30,7 +30,7 @@ PREFIX = f"{SAFE}."
 class ReplannerNodeParams:
     """Parameters of the node, without those of its law."""
 
-    law: str = tunable("paper", "law that moves the setpoints", choices=("paper", SAFE), read_only=True)
+    law: str = tunable(PAPER, "law that moves the setpoints", choices=(PAPER, SAFE), read_only=True)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -54,10 +54,12 @@ def _block(node: Node, law: str) -> Replanner:
         safe = declare(node, SafeReplannerParams(), PREFIX, in_flight=True)
         guarded = SafeReplanner(safe)
         on_change(node, safe, guarded.configure, PREFIX)
+        withhold(node, PotentialFieldParams(), f"law:={PAPER}")
         return guarded
     paper = declare(node, PotentialFieldParams(), in_flight=True)
     field = PotentialField(paper)
     on_change(node, paper, field.configure)
+    withhold(node, SafeReplannerParams(), f"law:={SAFE}", PREFIX)
     return field
 
 

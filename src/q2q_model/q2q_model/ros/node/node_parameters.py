@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import Field, fields, replace
 from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -26,6 +27,9 @@ P = TypeVar("P", bound=ParamsClass)
 UNBOUNDED = 1.7e308
 """Bound of an unbounded FloatingPointRange, which cannot express infinity."""
 
+_WITHHELD: WeakKeyDictionary[Node, dict[str, str]] = WeakKeyDictionary()
+"""For each node, the parameters that it does not declare as it is started, and what each needs."""
+
 
 def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False) -> P:
     """Declare every field of `params` as a ROS parameter under a prefix; return the user's values.
@@ -40,6 +44,11 @@ def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False)
     return with_overrides(params, values)
 
 
+def withhold(node: Node, params: ParamsClass, needs: str, prefix: str = "") -> None:
+    """Let the refusal of parameters of `params`, which the node does not declare, say what they need."""
+    _WITHHELD.setdefault(node, {}).update({prefix + entry.name: needs for entry in fields(params)})
+
+
 def refuse_undeclared(nodes: Iterable[Node]) -> None:
     """Raise ValueError for a user-set parameter that no node of the process has declared.
 
@@ -48,7 +57,10 @@ def refuse_undeclared(nodes: Iterable[Node]) -> None:
     here = list(nodes)
     known = {name for node in here for name in node.list_parameters([], 0).names}
     given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy has no accessor)
+    withheld = {name: needs for node in here for name, needs in _WITHHELD.get(node, {}).items()}
     for name in sorted(given - known):
+        if name in withheld:
+            raise ValueError(f"parameter {name} needs {withheld[name]}")
         raise ValueError(f"no parameter {name}; {name_hint(name, sorted(known))}")
 
 
