@@ -96,6 +96,14 @@ def test_errors_count_except_on_the_floor_after_a_fault() -> None:
     assert [one.rule for one in broken_rules(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
 
 
+@pytest.mark.parametrize("unknown", ["Variable motor.m1req not in TOC", "colAv.enable not in param TOC"])
+def test_of_a_name_that_no_table_has_it_is_said_that_the_emulated_firmware_may_lack_it(unknown: str) -> None:
+    failed = replace(hover(), end=ProgramEnd(9.9, 1, f"KeyError: '{unknown}'", 12))
+    assert broken_rules(failed, LIMITS)[0].why.startswith(
+        f"KeyError: '{unknown}', line 12; the emulated firmware lacks"
+    )
+
+
 def test_a_program_that_does_not_end_is_reported_with_the_lines_on_which_it_waits() -> None:
     end = ProgramEnd(9.9, overdue=True, waiting=(44, 22))
     assert broken_rules(replace(hover(), end=end), LIMITS)[0].why == "it waits on line 44 and line 22"

@@ -53,6 +53,11 @@ RULES: tuple[LicenceRule, ...] = (
 )  # fmt: skip
 """Rules of one vehicle."""
 
+UNKNOWN_NAME = ("not in TOC", "not in param TOC")
+"""Words of cflib's errors about a log variable and a parameter that the firmware does not have."""
+LACKS = "; the emulated firmware lacks many names of the stock firmware (docs/licence.md, Limits)"
+"""What an error about such a name may mean."""
+
 
 def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
     """Return the broken rules of a flight in the order of time."""
@@ -80,4 +85,6 @@ def _program(log: LicenceLog) -> BrokenRule | None:
     safe = trial.kind != TrialKind.NOMINAL and not log.airborne[tick, rows].any()
     where = f", line {end.line}" if end.line else ""
     why = (end.error or f"exit status {end.status}") + where
+    if any(words in end.error for words in UNKNOWN_NAME):
+        why += LACKS
     return None if safe else BrokenRule("program", end.t, "the program fails", why)
