@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.bag.foreign.clock_offset import check_one_clock
+from q2q_model.bag.foreign.clock_offset import clock_remarks
 from q2q_model.bag.foreign.mapped_poses import mapped_frames, rows_by_vehicle, sorted_rows
 from q2q_model.bag.foreign.pose_messages import POSITION, SETPOINTS
 from q2q_model.bag.foreign.references import References, with_references
@@ -43,8 +43,8 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
         flight, pauses = with_references(joined.flight, given)
     except ValueError as misfit:
         raise BagError(f"bag {path}: {misfit}") from misfit
-    check_one_clock(source, channels, topic_map)
-    remarks = (*repairs, *joined.repairs, *pauses)
+    clocks = clock_remarks(source, channels, topic_map)
+    remarks = (*repairs, *joined.repairs, *pauses, *clocks)
     warn_of_repairs(source.repairs + tuple(f"bag {path}: {remark}" for remark in remarks))
     return flight
 

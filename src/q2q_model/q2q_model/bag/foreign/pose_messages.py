@@ -5,7 +5,6 @@ as ROS 2 Jazzy.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import islice
 from operator import attrgetter
 
 import numpy as np
@@ -17,7 +16,6 @@ from q2q_model.bag.storage.definitions import jazzy_types, naming_message
 from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import Channel, RawMessage, Source
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
-from q2q_model.signals.values import Array
 
 POSES = {
     "PoseStamped": ("pose.position", "pose.orientation"),
@@ -38,8 +36,6 @@ NO_QUAT = (np.nan,) * 4
 """Quaternion of a Position: its yaw is in radians or degrees, and a reference needs none."""
 NO_RATES = (np.nan,) * 6
 """Velocity and acceleration of a message that carries none."""
-TIMES_MOST = 500
-"""Messages of a topic from which its times are taken, evenly spread."""
 IDL_MARK = "=" * 80 + "\n"
 _XYZ, _XYZW = attrgetter("x", "y", "z"), attrgetter("x", "y", "z", "w")
 
@@ -65,17 +61,6 @@ def message_poses(
             t = time_from_stamp(_stamp_ns(value) if topic_map.by_header else message.stamp_ns)
             found: list[tuple[str, Row]] = [(name, (t, *row)) for name, row in _placed(value, kind)]
         yield found
-
-
-def message_times(source: Source, channel: Channel) -> Array:
-    """Return the stamps of a topic's messages, and when they were received [s], (messages, 2)."""
-    decode, stride = _decoder(source, channel), max(1, channel.count // TIMES_MOST)
-    times = []
-    for message in islice(source.read({channel.topic}), None, None, stride):
-        with naming_message(source.path, message, channel.type_name):
-            stamp_ns = _stamp_ns(decode(message))
-        times.append((time_from_stamp(stamp_ns), time_from_stamp(message.stamp_ns)))
-    return np.array(times).reshape(-1, 2)
 
 
 def _stamp_ns(value: object) -> int:
