@@ -4,8 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from rclpy.clock import Clock
+from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
+from q2q_control.ros.crazyswarm_bridge import POSES_OUT
 from q2q_model.node.reply import Reply
 from q2q_sim.ros.stand_in import StandInNode
 
@@ -38,6 +40,14 @@ class Writer:
 
     node_name: str
     node_namespace: str = "/"
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Subscription, as ROS describes it."""
+
+    node_name: str
+    qos_profile: QoSProfile
 
 
 @dataclass
@@ -100,6 +110,7 @@ class RoomNode(StandInNode):
         self.takers: dict[str, Callable[[object], None]] = {}
         self.published: dict[str, list[object]] = {}
         self.writers: dict[str, tuple[str, ...]] = {}
+        self.pose_readers = [Reader("crazyflie_server", POSES_OUT)]
         self.forward: dict[str, Callable[[object], None]] = {}
         self.lines: list[str] = []
 
@@ -135,6 +146,10 @@ class RoomNode(StandInNode):
     def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
         """Return which nodes write a topic."""
         return [Writer(name) for name in self.writers.get(topic.removeprefix("/"), ())]
+
+    def get_subscriptions_info_by_topic(self, _: str) -> list[Reader]:
+        """Return which nodes read the filtered poses."""
+        return self.pose_readers
 
     def create_timer(self, period: float, act: Callable[[], None], **_: object) -> None:
         """Keep a timer for the room to call."""

@@ -9,6 +9,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from q2q_control.crazyswarm.configured_vehicles import poses_version, server_vehicles, vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import duplicate_names, frame_of, poses_of
+from q2q_control.crazyswarm.pose_topics import DEADLINE_NS, PoseNames, PoseReader, readers_refusal
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
@@ -30,9 +31,9 @@ from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.vehicle.constants import vehicle_by_name
 
 POSES_OUT = QoSProfile(
-    depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=10_000_000)
+    depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=DEADLINE_NS)
 )
-"""QoS of poses_out: Crazyswarm2's servers request a deadline of 10 ms, which the writer must offer."""
+"""QoS of poses_out: Crazyswarm2's servers request a deadline, which the writer must offer."""
 
 DUPLICATE = "given twice: left out, as either pose may be another vehicle's; check its markers"
 
@@ -52,7 +53,10 @@ class Crazyswarm:
         self._names = vehicle_names(self._settings)
         self._health = Health()
         self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
-        self._inputs = PublisherConflicts(node, self._ticks.topics, self._health)
+        poses_in = self._settings.poses_in
+        inputs = (*self._ticks.topics, *filter(None, [poses_in]))
+        self._inputs = PublisherConflicts(node, inputs, self._health)
+        self._pose_names = PoseNames(poses_in, self._names)
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._services: ProcedureServices | None = None
@@ -93,7 +97,12 @@ class Crazyswarm:
         services = self._wire_procedure()
         self._wire_commands()
         services.refuse_flights(
-            lambda: self._commands.conflicts() or self._inputs.update() or self._executor.refusal()
+            lambda: (
+                self._commands.conflicts()
+                or self._inputs.update()
+                or self._poses_refusal()
+                or self._executor.refusal()
+            )
         )
 
     def _wire_commands(self) -> None:
@@ -124,7 +133,22 @@ class Crazyswarm:
 
     def _facts(self) -> dict[str, str]:
         self._inputs.update()
+        self._health.doubts["poses"] = self._poses_refusal()
+        if found := self._pose_names.new_mismatch():
+            self._node.get_logger().warning(found)
         return {}
+
+    def _poses_refusal(self) -> str:
+        """Return what is wrong with the topics of poses, and what to do; empty if nothing is."""
+        return self._pose_names.mismatch or self._readers_refusal()
+
+    def _readers_refusal(self) -> str:
+        topic = self._settings.poses_out
+        if self._poses is None or not topic:
+            return ""
+        found = self._node.get_subscriptions_info_by_topic(self._node.resolve_topic_name(topic))
+        readers = [PoseReader(one.node_name, one.qos_profile.deadline.nanoseconds) for one in found]
+        return readers_refusal(topic, readers)
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
         if isinstance(value, SwarmState) and self._settings.poses_out:
@@ -147,6 +171,7 @@ class Crazyswarm:
             self._health.refuse(f"{self._settings.poses_in}: {refusal}")
             return
         poses = [self._poses.read(one) for one in message.poses]
+        self._pose_names.take([one.name for one in poses])
         if duplicates := duplicate_names(poses, self._names):
             self._health.refuse(f"{self._settings.poses_in}: {', '.join(duplicates)} {DUPLICATE}")
         self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))

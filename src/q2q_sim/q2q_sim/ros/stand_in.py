@@ -140,6 +140,10 @@ class StandInNode:
         """Return no publishers: no other node is known."""
         return []
 
+    def get_subscriptions_info_by_topic(self, _: str) -> list[TopicEndpointInfo]:
+        """Return no subscriptions: no other node is known."""
+        return []
+
     def count_publishers(self, topic: str) -> int:
         """Return how many publish a topic."""
         return len(self.get_publishers_info_by_topic(topic))
