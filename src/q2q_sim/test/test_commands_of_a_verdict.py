@@ -1,4 +1,4 @@
-"""Commands that end, are missed, or fly a vehicle blind are reported."""
+"""Commands that end or are missed are reported."""
 
 import numpy as np
 from judged_hover import TICKS, T, flown, moved, output

@@ -7,11 +7,10 @@ licence, commit f6154e2), the packets those of its library crazyflie_cpp; neithe
 | file | content |
 |---|---|
 | served_vehicles | vehicles of the server, from a crazyflies.yaml |
-| message_fields | arguments as fields of ROS messages, which refuse an int where a float belongs |
+| message_fields | arguments as fields of ROS messages, of the type that each needs; values of parameters |
 | server_packets | packets of each command |
 | server_links | links to the vehicles: one by one in order, or to all at once and unacknowledged |
 | connection | what the server does when it connects: parameters, logs |
-| program_parameters | values that a program sets, converted or refused |
 | reports | pose and status in the vehicles' logs |
 | vehicle_calls | class Crazyflie |
 | swarm_calls | class CrazyflieServer: commands to all vehicles |

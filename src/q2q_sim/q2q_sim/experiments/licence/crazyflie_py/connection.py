@@ -3,7 +3,7 @@
 from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
-from q2q_sim.experiments.licence.crazyflie_py.program_parameters import NUMBERS
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import NUMBERS
 from q2q_sim.experiments.licence.crazyflie_py.reports import POSE, POSE_VARIABLES, STATUS, STATUS_VARIABLES
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks

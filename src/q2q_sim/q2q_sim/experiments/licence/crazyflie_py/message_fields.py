@@ -3,19 +3,23 @@
 A field of type float64 or float32 takes a Python float. Of an int, rclpy on Humble raises an AssertionError,
 and on Jazzy the serialised message has another number: Float64(data=1) arrives as 5e-324. Both are mistakes
 of the program, so an int raises here too. A duration reaches its message by way of whole nanoseconds, and may
-be any real number.
+be any real number. The value of a parameter is converted to its type: setParam catches every exception,
+warns, and goes on.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Number
 
 import numpy as np
 
 from q2q_model.signals.stamps import NANOSECONDS
 from q2q_model.signals.values import Array, Three
+from q2q_sim.firmware.parameters.parameter_table import TABLE
 
 SECONDS_END = 2**31
 """Beyond the seconds of a builtin_interfaces/Duration, an int32."""
+NUMBERS: Mapping[str, int] = {one.name: number for number, one in enumerate(TABLE)}
+"""Number of each parameter."""
 
 
 def real(value: object, what: str) -> float:
@@ -72,3 +76,12 @@ def flag(value: object, what: str) -> bool:
     if not isinstance(value, bool):
         raise TypeError(f"{what} = {value!r}: a ROS message needs True or False")
     return value
+
+
+def number_set(name: str, value: float) -> float | None:
+    """Return the value that setParam sends; None, with a warning, if there is none."""
+    try:
+        return float(value) if TABLE[NUMBERS[name]].kind == "float" else int(value)
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        print(f"setParam: {name} = {value!r} is not set: {error!r}")
+        return None

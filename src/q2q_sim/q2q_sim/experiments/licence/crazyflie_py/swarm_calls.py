@@ -3,8 +3,15 @@
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
 from q2q_sim.experiments.licence.crazyflie_py.connection import connect
-from q2q_sim.experiments.licence.crazyflie_py.message_fields import flag, real, seconds, three, whole
-from q2q_sim.experiments.licence.crazyflie_py.program_parameters import NUMBERS, number_set
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
+    NUMBERS,
+    flag,
+    number_set,
+    real,
+    seconds,
+    three,
+    whole,
+)
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.vehicle_calls import (

@@ -8,14 +8,15 @@ from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
+    NUMBERS,
     coefficients,
     flag,
+    number_set,
     real,
     seconds,
     three,
     whole,
 )
-from q2q_sim.experiments.licence.crazyflie_py.program_parameters import NUMBERS, number_set
 from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport, report_in_packet
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
