@@ -178,9 +178,9 @@ def _seen(grid: TickGrid, frames: Topic, true_pos: Array) -> NDArray[np.bool_]:
     return seen
 
 
-_WITHOUT_MEANING = {"age": np.isnan, "std": np.isinf, "quat": np.isinf}
-"""What an attribute must not be that may be NaN or infinite: an infinite age means never, a NaN of a
-deviation unknown, of an attitude that the vehicle was never measured upright."""
+_REFUSED = {"age": np.isnan, "std": np.isinf, "quat": np.isinf}
+"""Tests for values that are refused, of attributes in which another value that is not finite has a meaning:
+an age that is infinite means never, a deviation that is NaN unknown, an attitude that is NaN none yet."""
 
 
 def _first_not_finite(name: str, topic: Topic) -> str:
@@ -192,9 +192,9 @@ def _first_not_finite(name: str, topic: Topic) -> str:
         one = getattr(signals[0], attribute)
         if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
-        wrong = _WITHOUT_MEANING.get(attribute, _not_finite)
-        if any(wrong(values).any() for values in topic.values(attribute).values()):
-            first = next(signal for signal in signals if wrong(getattr(signal, attribute)).any())
+        refused = _REFUSED.get(attribute, _not_finite)
+        if any(refused(values).any() for values in topic.values(attribute).values()):
+            first = next(signal for signal in signals if refused(getattr(signal, attribute)).any())
             return f"{name} at {first.t:.3f} s: {attribute} is not finite"
     return ""
 

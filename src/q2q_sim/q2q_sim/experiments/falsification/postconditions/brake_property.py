@@ -37,7 +37,7 @@ from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification.postconditions.hidden_motion import (
     after_late_frame,
     after_rotor_change,
-    hidden_by_gusts,
+    hidden_by_air,
     in_ignored_downwash,
     last_measured,
     misleading_measurement,
@@ -104,5 +104,5 @@ def _judged(run: Run, ticks: RunTicks) -> Mask:
         | after_late_frame(ticks, faults)
         | after_rotor_change(ticks, faults)
     )
-    hidden |= in_ignored_downwash(ticks, aware=run.options.aware) | hidden_by_gusts(run, ticks)
+    hidden |= in_ignored_downwash(ticks, aware=run.options.aware) | hidden_by_air(run, ticks)
     return np.asarray(is_blind(ticks.command_status) & ~hidden)

@@ -96,7 +96,7 @@ def in_ignored_downwash(ticks: RunTicks, *, aware: bool) -> Mask:
     return np.asarray(_last(pushed, otherwise=-1) > last_measured(ticks))
 
 
-def hidden_by_gusts(run: Run, ticks: RunTicks) -> Mask:
+def hidden_by_air(run: Run, ticks: RunTicks) -> Mask:
     """Return where gusts hide a motion, (T, n).
 
     In another air than the scenario's the torque of a wake hides it, too.
