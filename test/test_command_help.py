@@ -53,6 +53,7 @@ REFUSALS = (
         1,
         "--real x and --seed, --ignoring: a replay has only the options",
     ),
+    ("q2q_sim.commands.fly --real x --distributed", 1, "--real x and --distributed: a replay has only"),
     ("q2q_sim.commands.fly --real nosuch", 1, "neural_swarm"),
     ("q2q_sim.commands.fly table6 --record sttae", 2, "did you mean state?"),
     ("q2q_sim.commands.fly table6 --air room --air-without wnd", 2, "did you mean wind?"),

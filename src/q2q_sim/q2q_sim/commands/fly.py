@@ -50,19 +50,24 @@ def _check(args: Namespace) -> None:
     if args.real and args.scenario:
         raise ValueError(f"{args.scenario} and --real {args.real}: give one of them")
     if args.scenario:
-        scenario_files.check(args.scenario)
+        _check_flight(args)
     if args.air:
         check_air(args.air)
         if args.wake:
             raise ValueError(f"--wake {args.wake} and --air {args.air}: give one of them")
-    if args.distributed and args.controller != "mpc":
-        raise ValueError(f"--distributed with --controller {args.controller}: give --controller mpc")
-    if not (args.aware or args.limit):
-        raise ValueError("--ignoring and --no-limit: a controller that ignores the downwash keeps the limit")
     if args.model:
         check_model_name(args.model)
     if args.bag and args.bag.exists():
         raise ValueError(f"bag {args.bag} exists: choose another folder or delete it")
+
+
+def _check_flight(args: Namespace) -> None:
+    """Raise ValueError for a scenario that cannot be flown, or not with the controller's options."""
+    scenario_files.check(args.scenario)
+    if args.distributed and args.controller != "mpc":
+        raise ValueError(f"--distributed with --controller {args.controller}: give --controller mpc")
+    if not (args.aware or args.limit):
+        raise ValueError("--ignoring and --no-limit: a controller that ignores the downwash keeps the limit")
 
 
 def _check_replay(args: Namespace) -> None:
