@@ -4,13 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.air.room_air import TERMS
 from q2q_sim.bag_topics.topics import TYPE_NAMES
 from q2q_sim.commands.fly import main, parser
 from q2q_sim.node_flights.scenario_flight import MEASURED
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.choices import AIR_TERMS, TOPICS
+from q2q_sim.scenarios.choices import AIR_TERMS, DISTRIBUTED_TOPIC, TOPICS
 from q2q_sim.tools.fly_scenario import request_of, scenario_notes, vehicle_change
 
 
@@ -49,7 +50,16 @@ def test_what_the_numbers_and_the_verdict_need_is_recorded_whatever_else_is_aske
 
 def test_topics_and_terms_on_the_command_line_are_those_of_bags_and_airs() -> None:
     assert tuple(TYPE_NAMES) == TOPICS
+    assert PREDICTIONS == DISTRIBUTED_TOPIC
     assert TERMS == AIR_TERMS
+
+
+def test_predictions_are_recorded_of_a_distributed_flight_only(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["table6", "--controller", "mpc", "--record", PREDICTIONS]
+    asked = request_of(parser().parse_args([*words, "--distributed"]))
+    assert (asked.distributed, asked.record) == (True, (*MEASURED, PREDICTIONS))
+    assert main(words) == 1
+    assert "--record predictions without --distributed: give both" in capsys.readouterr().err
 
 
 def test_the_descriptions_of_all_scenarios_begin_in_one_column(capsys: pytest.CaptureFixture[str]):

@@ -11,7 +11,7 @@ from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air, flight_path
 from q2q_sim.scenarios import scenario_files
-from q2q_sim.scenarios.choices import AIR_TERMS, CONTROLLERS, REPLANNERS, TOPICS, WAKES
+from q2q_sim.scenarios.choices import AIR_TERMS, CONTROLLERS, DISTRIBUTED_TOPIC, REPLANNERS, TOPICS, WAKES
 
 EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
@@ -66,6 +66,10 @@ def _check_flight(args: Namespace) -> None:
     scenario_files.check(args.scenario)
     if args.distributed and args.controller != "mpc":
         raise ValueError(f"--distributed with --controller {args.controller}: give --controller mpc")
+    if DISTRIBUTED_TOPIC in args.record and not args.distributed:
+        raise ValueError(
+            f"--record {DISTRIBUTED_TOPIC} without --distributed: give both, or record other topics"
+        )
     if not (args.aware or args.limit):
         raise ValueError("--ignoring and --no-limit: a controller that ignores the downwash keeps the limit")
 
@@ -192,7 +196,7 @@ def _add_output(made: CommandLine) -> None:
         "--record",
         nargs="+",
         default=[],
-        choices=TOPICS,
+        choices=(*TOPICS, DISTRIBUTED_TOPIC),
         metavar="TOPIC",
         help="topics for the bag beside those of numbers and verdict (default: all; without --bag none)",
     )

@@ -33,6 +33,8 @@ TOPICS = (
     "command",
 )
 """Topics of every tick, which a bag may hold (q2q_sim.bag_topics.topics)."""
+DISTRIBUTED_TOPIC = "predictions"
+"""Topic that a bag may hold of a distributed flight only (q2q_model.signals.topic_names)."""
 ENGINES = ("local", "dask")
 """Engines that run a campaign in parallel (q2q_sim.experiments.campaign.parallel_runs)."""
 TABLE_ONLY = "--table-only"
