@@ -154,6 +154,14 @@ def test_nothing_is_near_to_a_word_unlike_all():
     assert nearest_word(["--qqqqqq"], ["--seed", "--controller"]) == ""
 
 
+def test_an_option_is_near_to_options_only_and_its_value_to_nothing():
+    known = ["--lockstep", "wind", "state"]
+    assert nearest_word(["--wind", "2"], known) == ""
+    assert nearest_word(["--colour", "sttae"], known) == ""
+    assert nearest_word(["sttae"], known) == "state"
+    assert nearest_word(["lockstp"], known) == "--lockstep"
+
+
 @pytest.mark.filterwarnings("always")
 def test_a_warning_is_one_line_of_the_program_and_changes_nothing_beyond_it(
     capsys: pytest.CaptureFixture[str],

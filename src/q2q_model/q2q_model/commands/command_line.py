@@ -154,6 +154,15 @@ def unknown_arguments(message: str) -> list[str]:
 
 
 def nearest_word(wrong: list[str], known: list[str]) -> str:
-    """Return the known word nearest to the first wrong one that has a near one; empty if none is near."""
+    """Return the known word nearest to the first wrong one that has a near one; empty if none is near.
+
+    If options are among the wrong words, the others are their values, and only options can be meant.
+    """
+    if options := _options_in(wrong):
+        wrong, known = options, _options_in(known)
     found = (match for word in wrong for match in get_close_matches(word, known, n=1))
     return next(found, "")
+
+
+def _options_in(words: list[str]) -> list[str]:
+    return [word for word in words if word.startswith("--")]
