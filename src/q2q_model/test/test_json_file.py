@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.commands.argument_types import output_file
 from q2q_model.documents.json_file import STDOUT, text_stream, write_json
 
 DOCUMENT = {"vehicle": "cf1", "z_rmse_m": [0.1, None], "ok": True}
@@ -32,3 +33,13 @@ def test_a_document_for_standard_output_is_alone_there(
     printed = capsys.readouterr()
     assert (json.loads(printed.out), printed.err) == (DOCUMENT, "text\n")
     assert text_stream(None) is text_stream(tmp_path / "it") is sys.stdout
+
+
+@pytest.mark.parametrize("name", ["-", "./-"])
+def test_a_file_named_by_a_dash_is_a_file(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_json(DOCUMENT, output_file(name))
+    assert json.loads((tmp_path / "-").read_text(encoding="utf-8")) == DOCUMENT
+    assert capsys.readouterr().out == ""
