@@ -81,6 +81,8 @@ def _parser() -> CommandLine:
 
 def _refusal(args: Namespace) -> str | None:
     """Return why the arguments cannot be carried out."""
+    if str(args.json) in areas():
+        return f"`--json {args.json}` names a file: give the area first, as in `bench {args.json} --json`"
     for area in args.area:
         if area not in areas():
             near = get_close_matches(area, areas(), n=1)

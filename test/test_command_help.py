@@ -111,6 +111,11 @@ REFUSALS = (
     ),
     ("q2q_control.commands.export_app --model nosuch --out x", 1, "measured_law"),
     ("bench smulation", 2, "did you mean simulation?"),
+    (
+        "bench --json planning",
+        2,
+        "`--json planning` names a file: give the area first, as in `bench planning",
+    ),
     ("bench --baseline none", 2, "no scripts/bench in none"),
 )
 SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "licence", "paper", "setup", "site")
