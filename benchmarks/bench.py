@@ -98,22 +98,30 @@ def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
     rows: list[Row] = []
     failed = []
     printed = args.json == STDOUT
-    for area in chosen:
-        plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
-        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not (args.baseline or printed))
-        try:
-            with redirect_stdout(text_stream(args.json)):
-                rows += _compared(area, ours.rows(area), args.baseline) if args.baseline else ours.rows(area)
-        except AreaError as error:
-            print(f"bench: {error}", file=sys.stderr)
-            failed.append(area)
-        if not printed:
+    try:
+        for area in chosen:
+            try:
+                with redirect_stdout(text_stream(args.json)):
+                    rows += _rows_apart(area, args)
+            except AreaError as error:
+                print(f"bench: {error}", file=sys.stderr)
+                failed.append(area)
+            if not printed:
+                _write(rows, args.json)
+    finally:  # interrupted, too
+        if printed:
             _write(rows, args.json)
-    if printed:
-        _write(rows, args.json)
     if failed:
         print(f"bench: without the rows of {', '.join(failed)}, which failed", file=sys.stderr)
     return int(bool(failed))
+
+
+def _rows_apart(area: str, args: Namespace) -> list[Row]:
+    """Run an area in a process of its own, and in another checkout; return the rows. Raises AreaError."""
+    plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
+    tables = not (args.baseline or args.json == STDOUT)
+    ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=tables).rows(area)
+    return _compared(area, ours, args.baseline) if args.baseline else ours
 
 
 def _compared(area: str, ours: list[Row], checkout: Path) -> list[Row]:

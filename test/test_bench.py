@@ -86,6 +86,25 @@ def test_json_without_a_file_is_alone_on_standard_output(
     assert "without the rows of land" in printed.err
 
 
+def test_an_interrupt_loses_the_rows_of_its_area_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
+):
+    here = checkout(tmp_path, {"air": [("a", 1.0)], "sea": [("b", 2.0)]})
+    rows_of = bench.Bench.rows
+
+    def interrupted_at_sea(self: bench.Bench, area: str) -> list[Row]:
+        if area == "sea":
+            raise KeyboardInterrupt
+        return rows_of(self, area)
+
+    monkeypatch.setattr(bench, "HERE", here / "benchmarks")
+    monkeypatch.setattr(bench.Bench, "rows", interrupted_at_sea)
+    assert bench.main(["--json"]) == 130
+    printed = capfd.readouterr()
+    assert [(one["name"], one["value"]) for one in json.loads(printed.out)] == [("a", 1.0)]
+    assert printed.err.endswith("bench: interrupted\n")
+
+
 def test_both_values_are_in_the_table_and_the_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
 ):
