@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from q2q_planner.commands.plan import main
+from q2q_planner.tools import plan_figures
 
 
 def test_that_a_zone_can_be_drawn_is_checked_without_the_import_of_drawing() -> None:
@@ -38,3 +39,15 @@ def test_a_zone_that_cannot_be_drawn_is_refused_before_anything_is_written(
     assert "the safe replanner, whose zone has eps = 0.0001: allowed is 0.001 to" in capsys.readouterr().err
     assert not out.exists()
     assert not figures.exists()
+
+
+def test_figures_that_cannot_be_written_leave_no_document(
+    crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(plan_figures, "draw_all", full)
+    words = ["--no-avoid", "--out", str(tmp_path / "plan.json"), "--figures", str(tmp_path / "figures")]
+    assert main([str(crossing), *words, "--json"]) == 1
+    assert capsys.readouterr().out == ""

@@ -110,10 +110,11 @@ def run(asked: Namespace) -> int:
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)
-    _write_others(asked, made, uploads)
     with redirect_stdout(text_stream(asked.json)):
         if asked.figures:
             _draw(asked, made, swarm, zone)
+    _write_others(asked, made, uploads)
+    with redirect_stdout(text_stream(asked.json)):
         _report(asked.out, made, words)
     return 0
 
@@ -132,13 +133,13 @@ def _report(out: Path, made: Planned, words: str) -> None:
 
 
 def _write_others(asked: Namespace, made: Planned, uploads: Mapping[str, Array]) -> None:
-    if asked.json:
-        facts = as_json(made) | risk_facts(asked, len(made.plan.names), certified=made.proof.holds)
-        write_json(facts, asked.json)
     if asked.csv:
         write_samples(asked.csv, made.plan)
     if asked.upload:
         write_uploads(asked.upload, uploads)
+    if asked.json:  # last: a printed document cannot be taken back
+        facts = as_json(made) | risk_facts(asked, len(made.plan.names), certified=made.proof.holds)
+        write_json(facts, asked.json)
 
 
 def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zone: Zone) -> None:
