@@ -65,7 +65,7 @@ def _parser() -> CommandLine:
         type=output_file,
         const=STDOUT,
         metavar="FILE",
-        help="print the rows as JSON, or write them to FILE",
+        help="print the rows as JSON (other text then goes to standard error), or write them to FILE",
     )
     made.add_argument(
         "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"

@@ -60,7 +60,7 @@ def parser() -> CommandLine:
         type=output_file,
         const=STDOUT,
         metavar="FILE",
-        help="print cost and proof as JSON, or write them to FILE",
+        help="print cost and proof as JSON (other text then goes to standard error), or write them to FILE",
     )
     made.add_argument(
         "--avoid", action=argparse.BooleanOptionalAction, default=True, help="stay out of the zone"

@@ -46,7 +46,7 @@ def parser() -> CommandLine:
         type=output_file,
         const=STDOUT,
         metavar="FILE",
-        help="print the rows as JSON, or write them to FILE",
+        help="print the rows as JSON (other text then goes to standard error), or write them to FILE",
     )
     made.add_argument("--again", action="store_true", help="run finished experiments again")
     return made
