@@ -10,9 +10,11 @@ from q2q_sim.air.room_air import TERMS
 from q2q_sim.bag_topics.topics import TYPE_NAMES
 from q2q_sim.commands.fly import main, parser
 from q2q_sim.node_flights.scenario_flight import MEASURED
+from q2q_sim.processes.interruption import Interruption
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import AIR_TERMS, DISTRIBUTED_TOPIC, TOPICS
-from q2q_sim.tools.fly_scenario import request_of, scenario_notes, vehicle_change
+from q2q_sim.tools import fly_scenario
+from q2q_sim.tools.fly_scenario import fly_with_progress, request_of, scenario_notes, vehicle_change
 
 
 @pytest.mark.parametrize(
@@ -60,6 +62,20 @@ def test_predictions_are_recorded_of_a_distributed_flight_only(capsys: pytest.Ca
     assert (asked.distributed, asked.record) == (True, (*MEASURED, PREDICTIONS))
     assert main(words) == 1
     assert "--record predictions without --distributed: give both" in capsys.readouterr().err
+
+
+def test_the_progress_of_a_flight_is_named_as_in_its_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_: object) -> None:
+        raise ValueError("not flown")
+
+    monkeypatch.setattr(fly_scenario, "fly", refuse)
+    monkeypatch.setattr("signal.signal", lambda *_: None)  # Interruption's handlers would remain
+    asked = request_of(parser().parse_args(["table6", "--ignoring", "--correct"]))
+    with pytest.raises(ValueError, match="not flown"):
+        fly_with_progress(asked, tmp_path, tmp_path / "bag", Interruption())
+    assert "table6 ignoring, corrected" in capsys.readouterr().err
 
 
 def test_the_descriptions_of_all_scenarios_begin_in_one_column(capsys: pytest.CaptureFixture[str]):

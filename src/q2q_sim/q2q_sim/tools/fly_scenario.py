@@ -17,7 +17,7 @@ from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.node_flights.scenario_flight import MEASURED, fly
 from q2q_sim.node_flights.unfinished_bag import recorder_notes
 from q2q_sim.processes.interruption import Interruption
-from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
+from q2q_sim.report.run_table import mode_words, run_notes, run_table, run_verdicts
 from q2q_sim.scenarios import library
 
 
@@ -116,7 +116,7 @@ def fly_with_progress(
     words = TextColumn("{task.description}", markup=False)
     columns = words, BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
     with Progress(*columns, console=plain_console(stderr=True)) as bar:
-        task = bar.add_task(f"{request.scenario} {request.mode}", total=1.0)
+        task = bar.add_task(f"{request.scenario} {mode_words(request)}", total=1.0)
 
         def follow(share: float) -> None:
             interruption.check()
