@@ -1,6 +1,7 @@
 """The verdict names vehicles that were cut, by whom, and those that landed or flew blind."""
 
 import numpy as np
+import pytest
 from judged_hover import TICKS, T, flown, moved, output
 
 from q2q_model.signals.values import CommandStatus
@@ -40,10 +41,29 @@ def test_a_vehicle_that_is_flown_blind_to_the_end_is_reported() -> None:
     status[T >= 3.0, 1] = CommandStatus.CUT
     assert (
         output(flown(moved(3.0, 20.0, 1, DOWN), status=status))
-        == "cf2 was never measured; cf2's motors were cut at 3.0 s"
+        == "cf2 was never measured; cf2's motors were cut by an emergency stop at 3.0 s"
     )
     status[:, 1] = CommandStatus.CUT
     assert output(flown(status=status)) == "cf2's motors were cut at 0.0 s"
+
+
+@pytest.mark.parametrize(
+    ("before", "cause"),
+    [
+        (CommandStatus.SATURATED, " by an emergency stop"),
+        (CommandStatus.DEGRADED, " by an emergency stop"),
+        (CommandStatus.LEVEL, " by an emergency stop"),  # a vehicle without feedback lands before it is cut
+        (CommandStatus.HOLD, ""),  # as where a clock was set ahead by seconds
+        (CommandStatus.LAND, ""),
+    ],
+)
+def test_a_cut_that_the_failsafe_cannot_have_made_is_an_emergency_stop(
+    before: CommandStatus, cause: str
+) -> None:
+    status = np.zeros((TICKS, 2))
+    status[(T > 6.895) & (T < 6.995), 1] = before
+    status[T > 6.995, 1] = CommandStatus.CUT
+    assert output(flown(status=status)) == f"cf2's motors were cut{cause} at 7.0 s"
 
 
 def test_what_the_failsafe_cuts_is_no_emergency_stop() -> None:

@@ -3,13 +3,14 @@
 | finding | commands |
 |---|---|
 | motors were cut | CUT |
-| motors were cut by an emergency stop | CUT right after OK or SATURATED |
+| motors were cut by an emergency stop | CUT right after OK, SATURATED, DEGRADED or LEVEL |
 | landed blind | LAND on the floor |
 | was never measured | from the first to the last, or to CUT, LEVEL or LAND |
 | was flown blind to the end | the last is LAND |
 
-The failsafe cuts a vehicle after seconds without feedback; one with feedback is cut by an emergency stop
-(q2q_control.failsafe).
+The failsafe cuts after LAND, or after HOLD where a clock was set ahead by seconds
+(q2q_control.failsafe.fallback_phases), and an emergency stop at any time: a cut right after HOLD or LAND, or
+after a gap in the recording, is reported without a cause.
 
 Only the whole recording shows that a vehicle was never measured, and only a part up to its end how it ended.
 """
@@ -27,6 +28,8 @@ from q2q_sim.monitors.policies.floor import touches_floor
 
 BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands without feedback beyond HOLD, which is short and follows a measurement."""
+BEFORE_FAILSAFE_CUT = (CommandStatus.HOLD, CommandStatus.LAND)
+"""Commands right after which the failsafe may cut."""
 
 
 def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Finding]:
@@ -38,7 +41,7 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
         never = is_whole and _is_never_measured(status)
         if never:
             yield Finding(float(trace.t[0]), f"{name} was never measured")
-        cause = " by an emergency stop" if _is_cut_with_feedback(trace.t, status) else ""
+        cause = " by an emergency stop" if _is_emergency_stop(trace.t, status) else ""
         ends = {
             f"{name}'s motors were cut{cause}": status == CommandStatus.CUT,
             f"{name} landed blind": (status == CommandStatus.LAND) & down[:, row],
@@ -56,14 +59,14 @@ def _is_never_measured(status: Array) -> bool:
     return bool(len(flown)) and bool(np.isin(flown, BLIND).all())
 
 
-def _is_cut_with_feedback(t: Array, status: Array) -> bool:
-    """Return whether a vehicle's first CUT follows a command with feedback; t and status are (T,)."""
+def _is_emergency_stop(t: Array, status: Array) -> bool:
+    """Return whether only an emergency stop can be a vehicle's first CUT; t and status are (T,)."""
     given = np.isfinite(status)
     t, status = t[given], status[given]
     first = int((status != CommandStatus.CUT).cumprod().sum())
     if first in (0, len(t)) or t[first] - t[first - 1] > LEVEL_AFTER_S:
         return False
-    return status[first - 1] in (CommandStatus.OK, CommandStatus.SATURATED)
+    return status[first - 1] not in BEFORE_FAILSAFE_CUT
 
 
 def _blind_since(t: Array, status: Array) -> float | None:
