@@ -55,8 +55,8 @@ RULES: tuple[LicenceRule, ...] = (
 
 UNKNOWN_NAME = ("not in TOC", "not in param TOC")
 """Words of cflib's errors about a log variable and a parameter that the firmware does not have."""
-LACKS = "; the emulated firmware lacks many names of the stock firmware (docs/licence.md, Limits)"
-"""What an error about such a name may mean."""
+MAY_BE_LACKING = "; the emulated firmware lacks many names of the stock firmware (docs/licence.md, Limits)"
+"""Added to such an error."""
 
 
 def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
@@ -86,5 +86,5 @@ def _program(log: LicenceLog) -> BrokenRule | None:
     where = f", line {end.line}" if end.line else ""
     why = (end.error or f"exit status {end.status}") + where
     if any(words in end.error for words in UNKNOWN_NAME):
-        why += LACKS
+        why += MAY_BE_LACKING
     return None if safe else BrokenRule("program", end.t, "the program fails", why)
