@@ -8,6 +8,7 @@ import pytest
 from licence_logs import LIMITS, command, hover
 
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
+from q2q_sim.experiments.licence.program.program_lines import IN_GET_VALUE
 from q2q_sim.experiments.licence.room.licence_log import ProgramEnd
 from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
@@ -96,11 +97,14 @@ def test_errors_count_except_on_the_floor_after_a_fault() -> None:
     assert [one.rule for one in broken_rules(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
 
 
-@pytest.mark.parametrize("unknown", ["Variable motor.m1req not in TOC", "colAv.enable not in param TOC"])
+UNKNOWN = ["'Variable motor.m1req not in TOC'", "'colAv.enable not in param TOC'", "'colAv'" + IN_GET_VALUE]
+
+
+@pytest.mark.parametrize("unknown", UNKNOWN)
 def test_of_a_name_that_no_table_has_it_is_said_that_the_emulated_firmware_may_lack_it(unknown: str) -> None:
-    failed = replace(hover(), end=ProgramEnd(9.9, 1, f"KeyError: '{unknown}'", 12))
+    failed = replace(hover(), end=ProgramEnd(9.9, 1, f"KeyError: {unknown}", 12))
     assert broken_rules(failed, LIMITS)[0].why.startswith(
-        f"KeyError: '{unknown}', line 12; the emulated firmware lacks"
+        f"KeyError: {unknown}, line 12; the emulated firmware lacks"
     )
 
 

@@ -6,20 +6,28 @@ import traceback
 from types import FrameType
 from typing import NamedTuple
 
+PARAM_FILE, GET_VALUE = "cflib/crazyflie/param.py", "get_value"
+IN_GET_VALUE = f" in Param.{GET_VALUE}"
+"""Added to the KeyError of cflib's get_value, which has only the group or the name without its group."""
+
 
 class ProgramError(NamedTuple):
     """Error of a program."""
 
     what: str
-    """As Python says it."""
+    """As Python says it, with IN_GET_VALUE if it is of that."""
     line: int
     """Innermost line of the program's file; 0 if there is none."""
 
 
 def error_in(file: str, error: BaseException) -> ProgramError:
     """Return what an error is, and the line of a file that it passed."""
-    frames = [one for one in traceback.extract_tb(error.__traceback__) if one.filename == file]
+    stack = traceback.extract_tb(error.__traceback__)
+    frames = [one for one in stack if one.filename == file]
     said = traceback.format_exception_only(error)[-1].strip()
+    last = stack[-1]
+    if isinstance(error, KeyError) and last.filename.endswith(PARAM_FILE) and last.name == GET_VALUE:
+        said += IN_GET_VALUE
     return ProgramError(said, (frames[-1].lineno or 0) if frames else 0)
 
 

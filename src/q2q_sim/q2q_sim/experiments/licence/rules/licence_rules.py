@@ -25,6 +25,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from q2q_sim.experiments.licence.program.program_lines import IN_GET_VALUE
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.experiments.licence.room.trials import EXEMPT, TrialKind
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
@@ -53,8 +54,8 @@ RULES: tuple[LicenceRule, ...] = (
 )  # fmt: skip
 """Rules of one vehicle."""
 
-UNKNOWN_NAME = ("not in TOC", "not in param TOC")
-"""Words of cflib's errors about a log variable and a parameter that the firmware does not have."""
+UNKNOWN_NAME = ("not in TOC", "not in param TOC", IN_GET_VALUE)
+"""Words in errors about a log variable, or a parameter set or read, that the firmware does not have."""
 MAY_BE_LACKING = "; the emulated firmware lacks many names of the stock firmware (docs/licence.md, Limits)"
 """Added to such an error."""
 
