@@ -239,6 +239,8 @@ assert abs(waited - PRESS) < 0.05, waited
     log = log_of(fly(tmp_path, body, served=(served,)))
     assert log.names == ("cfa",)
     assert "no.such = 1 is not set: KeyError('no.such')" in log.output
+    assert "getParam: no.such is no parameter of the emulated firmware" in log.output
+    assert "getParam: ring.effect is not set yet: server.yaml has" in log.output
     assert "ring.effect = 'off' is not set: ValueError" in log.output
 
 

@@ -129,8 +129,10 @@ class CrazyflieCalls(Absence):
 
     def getParam(self, name: str) -> float:
         """Return a parameter as set by setParam; not a number before, as the server reads none by itself."""
-        if name not in self.parameters:
-            print(f"getParam: {name} has no value: server.yaml has query_all_values_on_connect: False")
+        if name not in NUMBERS:
+            print(f"getParam: {name} is no parameter of the emulated firmware (docs/licence.md, Limits)")
+        elif name not in self.parameters:
+            print(f"getParam: {name} is not set yet: server.yaml has query_all_values_on_connect: False")
         return self.parameters.get(name, float("nan"))
 
     def setParam(self, name: str, value: float) -> None:
