@@ -2,6 +2,7 @@
 
 import math
 import struct
+from array import array
 from fractions import Fraction
 from pathlib import Path
 
@@ -180,7 +181,8 @@ def test_what_rclpy_makes_no_duration_of_is_refused(given: float, kind: type[Exc
 
 def test_coefficients_are_uploaded_from_arrays_only_and_a_derivative_has_a_list_of_them() -> None:
     one = Polynomial(np.array([1.0, 2.0, 3.0]))
-    assert coefficients(one.p, "px.p").tolist() == [1.0, 2.0, 3.0]
+    for given in (one.p, array("d", one.p)):
+        assert coefficients(given, "px.p").tolist() == [1.0, 2.0, 3.0]
     with pytest.raises(TypeError, match=r"px\.p = \[2\.0, 6\.0\] is of type list: .* a numpy array"):
         coefficients(one.derivative().p, "px.p")
 

@@ -9,6 +9,7 @@ warns, and goes on.
 
 from collections.abc import Mapping, Sequence
 from numbers import Number
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -20,6 +21,15 @@ SECONDS_END = 2**31
 """Beyond the seconds of a builtin_interfaces/Duration, an int32."""
 NUMBERS: Mapping[str, int] = {one.name: number for number, one in enumerate(TABLE)}
 """Number of each parameter."""
+
+
+@runtime_checkable
+class Listed(Protocol):
+    """Anything that makes a list of itself: an array of numpy or of Python, a series of pandas."""
+
+    def tolist(self) -> object:
+        """Return a list."""
+        ...
 
 
 def real(value: object, what: str) -> float:
@@ -56,12 +66,12 @@ def seconds(value: float, what: str) -> float:
 
 def coefficients(values: object, what: str) -> Array:
     """Return the coefficients of a polynomial; crazyflie_py calls their `tolist`, which a list has not."""
-    if not isinstance(values, np.ndarray):
+    if not isinstance(values, Listed):
         raise TypeError(
             f"{what} = {values!r} is of type {type(values).__name__}: crazyflie_py needs a numpy array, "
             "like np.array([0.0, 1.0])"
         )
-    return np.asarray(values, dtype=np.float64)
+    return np.asarray(values.tolist(), dtype=np.float64)
 
 
 def whole(value: object, what: str, most: int) -> int:
