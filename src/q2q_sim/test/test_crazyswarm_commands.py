@@ -172,7 +172,8 @@ def test_a_duration_is_cut_to_nanoseconds_and_may_be_a_whole_number_of_numpy() -
 
 @pytest.mark.parametrize(("given", "kind"), [
     ("2", TypeError), (None, TypeError), ([2.0], TypeError), (math.nan, ValueError),
-    (math.inf, OverflowError), (2.0**31, OverflowError),
+    (math.inf, OverflowError), (2.0**31, OverflowError), (np.str_("2"), TypeError),
+    (np.datetime64("2020"), TypeError),
 ])  # fmt: skip
 def test_what_rclpy_makes_no_duration_of_is_refused(given: float, kind: type[Exception]) -> None:
     with pytest.raises(kind, match=r"goTo: duration = .*: a number of seconds between"):

@@ -53,12 +53,16 @@ def three(values: object, what: str) -> Three:
 def seconds(value: float, what: str) -> float:
     """Return a duration [s] in whole nanoseconds, as rclpy.duration.Duration makes it of any real number."""
     message = f"{what} = {value!r}: a number of seconds between -2^31 and 2^31 is needed"
-    if not isinstance(value, Number | np.generic | np.ndarray):
+    if not isinstance(value, Number | np.generic | np.ndarray) or isinstance(value, np.character):
         raise TypeError(message)
     try:
         nanoseconds = int(value * NANOSECONDS)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise type(error)(message) from error
+    except TypeError as error:
+        raise TypeError(message) from error
+    except ValueError as error:
+        raise ValueError(message) from error
+    except OverflowError as error:
+        raise OverflowError(message) from error
     if abs(nanoseconds) >= SECONDS_END * NANOSECONDS:
         raise OverflowError(message)
     return nanoseconds / NANOSECONDS
