@@ -92,7 +92,7 @@ def flag(value: object, what: str) -> bool:
     return value
 
 
-def number_set(name: str, value: float) -> float | None:
+def value_to_send(name: str, value: float) -> float | None:
     """Return the value that setParam sends; None, with a warning, if there is none."""
     try:
         return float(value) if TABLE[NUMBERS[name]].kind == "float" else int(value)

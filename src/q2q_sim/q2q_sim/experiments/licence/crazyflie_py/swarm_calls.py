@@ -6,10 +6,10 @@ from q2q_sim.experiments.licence.crazyflie_py.connection import connect
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
     NUMBERS,
     flag,
-    number_set,
     real,
     seconds,
     three,
+    value_to_send,
     whole,
 )
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
@@ -85,7 +85,7 @@ class CrazyflieServer(Absence):
 
     def setParam(self, name: str, value: float) -> None:
         """Set a parameter of all."""
-        asked = number_set(name, value)
+        asked = value_to_send(name, value)
         if asked is not None:
             self._links.broadcast(server_packets.parameter_write_by_name(TABLE[NUMBERS[name]], asked))
 

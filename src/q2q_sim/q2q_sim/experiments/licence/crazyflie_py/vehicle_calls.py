@@ -11,10 +11,10 @@ from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
     NUMBERS,
     coefficients,
     flag,
-    number_set,
     real,
     seconds,
     three,
+    value_to_send,
     whole,
 )
 from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport, report_in_packet
@@ -137,7 +137,7 @@ class CrazyflieCalls(Absence):
 
     def setParam(self, name: str, value: float) -> None:
         """Set a parameter."""
-        asked = number_set(name, value)
+        asked = value_to_send(name, value)
         if asked is None:
             return
         self.parameters[name] = asked
