@@ -98,6 +98,12 @@ def test_a_server_that_does_not_read_the_filtered_poses_is_told(room: RoomNode) 
     )
 
 
+def test_a_reader_that_requests_no_deadline_gets_every_pose(room: RoomNode) -> None:
+    room.pose_readers = [Reader("crazyflie_server", QoSProfile(depth=1))]
+    assert QoSProfile(depth=1).deadline.nanoseconds == 0
+    assert "no pose of" not in answer(room, "take_off")
+
+
 def test_a_server_that_requests_a_shorter_deadline_than_is_offered_is_told(room: RoomNode) -> None:
     """DDS does not connect the two; a recorder that reads the same topic is no server."""
     fast = QoSProfile(depth=1, deadline=Duration(nanoseconds=5_000_000))  # poses_qos_deadline: 200.0

@@ -20,7 +20,7 @@ class PoseReader:
 
     node: str
     deadline_ns: int
-    """Requested deadline [ns]."""
+    """Requested deadline [ns]; 0 means none."""
 
 
 def readers_refusal(topic: str, readers: Sequence[PoseReader]) -> str:
@@ -28,7 +28,7 @@ def readers_refusal(topic: str, readers: Sequence[PoseReader]) -> str:
     if not readers:
         return f"no node reads {topic}: start Crazyswarm2's server with its topic poses remapped to {topic}"
     for one in readers:
-        if one.deadline_ns < DEADLINE_NS:
+        if 0 < one.deadline_ns < DEADLINE_NS:
             return (
                 f"no pose of {topic} reaches {one.node}, which requests a deadline of "
                 f"{1e-6 * one.deadline_ns:g} ms: {1e-6 * DEADLINE_NS:g} ms are offered; set "
