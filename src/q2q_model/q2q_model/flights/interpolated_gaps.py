@@ -6,12 +6,12 @@ from q2q_model.signals.values import Array, Rows
 
 
 def interpolate_gaps(t: Array, values: Array) -> Array:
-    """Return values (T, ...) with missing ones (NaN) interpolated over times t [s], (T,); 0 if all are."""
+    """Return values (T, ...) with missing ones (NaN) interpolated; 0 if all are. Times t [s], (T,), rise."""
     return np.nan_to_num(resample(t, values, t))
 
 
 def resample(t: Array, values: Array, at: Array) -> Array:
-    """Return `values` (T, ...) interpolated between finite rows at times `at`; NaN if none is finite."""
+    """Return `values` (T, ...) of rising times interpolated between finite rows; NaN if none is finite."""
     columns = values.reshape(t.size, -1)
     out = np.empty((at.size, columns.shape[1]))
     for k, column in enumerate(columns.T):
