@@ -104,7 +104,7 @@ def _count(swarm: Swarm, commands: np.ndarray, drive: np.ndarray) -> float:
     gaps, radii, push, ends = law.table
     gaps, radii = (one._replace(at=_counted(one.at)) for one in (gaps, radii))
     near = law.near._replace(at=_counted(law.near.at), limits=_counted(law.near.limits))
-    columns = {name: _counted(getattr(law, name)) for name in ("extremes", "places", "under")}
+    columns = {name: _counted(getattr(law, name)) for name in ("extremes", "places", "jet_rows")}
     law = law._replace(table=PushTable(gaps, radii, _counted(push), _counted(ends)), near=near, **columns)
     air = swarm.air._replace(ring=_counted(swarm.air.ring), room=law)
     state, rotors = _counted(swarm.state), _counted(np.zeros(4))

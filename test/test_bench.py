@@ -18,6 +18,7 @@ from compare_checkout import compare_rows, environment_outside
 from q2q_planner.experiments.encounter_verdict import EncounterVerdict
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from roofline import flops_of_a_step
 from row import Row
 
 Capture = pytest.CaptureFixture[str]
@@ -204,3 +205,9 @@ def test_osqp_is_set_up_once_for_three_axes_and_finds_our_cost(monkeypatch: pyte
     found = planning.cost_by_osqp(planning.coefficient_problem(times, points))
     assert found == pytest.approx(ours, rel=1e-9)  # polished
     assert len(set_up) == 1
+
+
+def test_a_drone_step_takes_more_operations_among_more_vehicles() -> None:
+    """Counted in the plain kernels by numbers that count, in a process of its own."""
+    alone, among_ten = flops_of_a_step(1), flops_of_a_step(10)
+    assert 100.0 < alone < among_ten < 10.0 * alone
