@@ -18,9 +18,10 @@ from pathlib import Path
 
 from area_process import AreaError, Bench
 from compare_checkout import bench_of, compare_rows, comparison_table, has_area
-from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.argument_types import add_printed_json, output_folder
 from q2q_model.commands.command_line import CommandLine
-from q2q_model.documents.json_file import STDOUT, text_stream
+from q2q_model.documents.json_file import text_stream
+from q2q_model.writable_places import STDOUT
 from row import Row
 
 HERE = Path(__file__).parent
@@ -59,13 +60,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> CommandLine:
     made = CommandLine("bench", __doc__, EXAMPLE)
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
-    made.add_argument(
-        "--json",
-        nargs="?",
-        type=output_file,
-        const=STDOUT,
-        metavar="FILE",
-        help="print the rows as JSON (other text then goes to standard error), or write them to FILE",
+    add_printed_json(
+        made, "print the rows as JSON (other text then goes to standard error), or write them to FILE"
     )
     made.add_argument(
         "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"

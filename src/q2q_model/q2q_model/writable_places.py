@@ -3,6 +3,9 @@
 import os
 from pathlib import Path
 
+STDOUT = Path("/dev/stdout")
+"""File that is standard output: the value of `--json` without a file. (`-` is a file of that name.)"""
+
 
 def writable_file(path: Path) -> Path:
     """Return the path of a file to write.

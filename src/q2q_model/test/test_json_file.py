@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from q2q_model.commands.argument_types import output_file
-from q2q_model.documents.json_file import STDOUT, text_stream, write_json
+from q2q_model.documents.json_file import text_stream, write_json
+from q2q_model.writable_places import STDOUT
 
 DOCUMENT = {"vehicle": "cf1", "z_rmse_m": [0.1, None], "ok": True}
 

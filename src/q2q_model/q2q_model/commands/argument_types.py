@@ -1,4 +1,4 @@
-"""Types of arguments for argparse: numbers within bounds, and files and folders to write."""
+"""Types of arguments for argparse: numbers within bounds, and files and folders to write, or to print."""
 
 import argparse
 import math
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from q2q_model.tunable import LARGEST_INTEGER
-from q2q_model.writable_places import writable_file, writable_folder
+from q2q_model.writable_places import STDOUT, writable_file, writable_folder
 
 
 def whole_number(low: int, high: int = LARGEST_INTEGER) -> Callable[[str], int]:
@@ -53,6 +53,11 @@ def _number(given: str) -> float:
 def output_file(given: str) -> Path:
     """Return the path of a file to write: a type of arguments, refused if it is a folder."""
     return _in_its_words(writable_file, given)
+
+
+def add_printed_json(parser: argparse.ArgumentParser, words: str) -> None:
+    """Add `--json`, with a help in `words`: a file to write, STDOUT if none is named."""
+    parser.add_argument("--json", nargs="?", type=output_file, const=STDOUT, metavar="FILE", help=words)
 
 
 def output_folder(given: str) -> Path:

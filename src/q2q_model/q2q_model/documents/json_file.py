@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import TextIO
 
 from q2q_model.documents.written_file import write_text
+from q2q_model.writable_places import STDOUT
 
 Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 """Document of plain values; numbers that are not finite are written as null."""
-
-STDOUT = Path("/dev/stdout")
-"""File that is standard output: the value of `--json` without a file. (`-` is a file of that name.)"""
 
 
 def write_json(document: object, file: Path) -> None:

@@ -7,9 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.argument_paths import require_apart, require_existing
-from q2q_model.commands.argument_types import finite_number, output_file, output_folder, positive_number
+from q2q_model.commands.argument_types import (
+    add_printed_json,
+    finite_number,
+    output_file,
+    output_folder,
+    positive_number,
+)
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
-from q2q_model.documents.json_file import STDOUT
 from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.attitude_limits import TILT_MAX
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, vehicle_by_name
@@ -54,13 +59,8 @@ def parser() -> CommandLine:
     made = CommandLine("plan", __doc__, EXAMPLE)
     made.add_argument("waypoints", type=Path, help="YAML file of waypoints")
     made.add_argument("--out", type=output_file, required=True, metavar="PLAN", help="plan file to write")
-    made.add_argument(
-        "--json",
-        nargs="?",
-        type=output_file,
-        const=STDOUT,
-        metavar="FILE",
-        help="print cost and proof as JSON (other text then goes to standard error), or write them to FILE",
+    add_printed_json(
+        made, "print cost and proof as JSON (other text then goes to standard error), or write them to FILE"
     )
     made.add_argument(
         "--avoid", action=argparse.BooleanOptionalAction, default=True, help="stay out of the zone"

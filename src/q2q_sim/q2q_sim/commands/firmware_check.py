@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.argument_paths import require_existing
-from q2q_model.commands.argument_types import output_file
+from q2q_model.commands.argument_types import add_printed_json
 from q2q_model.commands.command_line import CommandLine, Work, run_command
-from q2q_model.documents.json_file import STDOUT
 
 EXAMPLE = """  ros2 run q2q_sim firmware_check ../shared/data/firmware
   ros2 run q2q_sim firmware_check ../shared/data/firmware --json"""
@@ -35,14 +34,7 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("firmware_check", __doc__, EXAMPLE)
     made.add_argument("folder", type=Path, metavar="FOLDER", help="folder with the five tables")
-    made.add_argument(
-        "--json",
-        nargs="?",
-        type=output_file,
-        const=STDOUT,
-        metavar="FILE",
-        help="print JSON instead, or write it to FILE",
-    )
+    add_printed_json(made, "print JSON instead, or write it to FILE")
     return made
 
 

@@ -9,9 +9,8 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.argument_types import add_printed_json, output_folder
 from q2q_model.commands.command_line import CommandLine, Work, run_command
-from q2q_model.documents.json_file import STDOUT
 
 EXAMPLE = """  scripts/paper
   scripts/paper --only table6,fig10 --json out/paper.json"""
@@ -40,13 +39,8 @@ def parser() -> CommandLine:
     made.add_argument(
         "--out", type=output_folder, default=Path("out/paper"), help="folder of page, PDF, pictures"
     )
-    made.add_argument(
-        "--json",
-        nargs="?",
-        type=output_file,
-        const=STDOUT,
-        metavar="FILE",
-        help="print the rows as JSON (other text then goes to standard error), or write them to FILE",
+    add_printed_json(
+        made, "print the rows as JSON (other text then goes to standard error), or write them to FILE"
     )
     made.add_argument("--again", action="store_true", help="run finished experiments again")
     return made

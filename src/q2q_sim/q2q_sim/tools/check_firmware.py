@@ -4,7 +4,8 @@ import csv
 from argparse import Namespace
 from pathlib import Path
 
-from q2q_model.documents.json_file import STDOUT, write_json
+from q2q_model.documents.json_file import write_json
+from q2q_model.writable_places import STDOUT
 from q2q_sim.firmware_check.table_rows import CheckTable
 from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 
