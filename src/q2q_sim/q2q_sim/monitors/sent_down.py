@@ -13,6 +13,7 @@ The failsafe cuts after LAND, or after HOLD where a clock was set ahead by secon
 after a gap in the recording, is reported without a cause.
 
 Only the whole recording shows that a vehicle was never measured, and only a part up to its end how it ended.
+A vehicle has C recorded commands; ticks without one do not count.
 """
 
 from collections.abc import Iterator
@@ -38,31 +39,31 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
     down = touches_floor(trace, limits)
     for row, name in enumerate(trace.names):
         status = trace.command_status[:, row]
-        never = is_whole and _is_never_measured(status)
+        given = np.isfinite(status)
+        t, commands = trace.t[given], status[given]
+        never = is_whole and _is_never_measured(commands)
         if never:
             yield Finding(float(trace.t[0]), f"{name} was never measured")
-        cause = " by an emergency stop" if _is_emergency_stop(trace.t, status) else ""
+        cause = " by an emergency stop" if _is_emergency_stop(t, commands) else ""
         ends = {
             f"{name}'s motors were cut{cause}": status == CommandStatus.CUT,
             f"{name} landed blind": (status == CommandStatus.LAND) & down[:, row],
         }
         first = {words: float(trace.t[mask][0]) for words, mask in ends.items() if mask.any()}
-        for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
-            yield Finding(t, f"{words} at {t - begin:.1f} s")
-        if reaches_end and not first and not never and (since := _blind_since(trace.t, status)) is not None:
+        for words, at in sorted(first.items(), key=lambda one: one[1])[:1]:
+            yield Finding(at, f"{words} at {at - begin:.1f} s")
+        if reaches_end and not first and not never and (since := _blind_since(t, commands)) is not None:
             yield Finding(since, f"{name} was flown blind from {since - begin:.1f} s to the end")
 
 
 def _is_never_measured(status: Array) -> bool:
-    """Return whether none of a vehicle's commands, (T,), has feedback, and some are not CUT."""
-    flown = status[np.isfinite(status) & (status != CommandStatus.CUT)]
+    """Return whether none of a vehicle's commands, (C,), has feedback, and some are not CUT."""
+    flown = status[status != CommandStatus.CUT]
     return bool(len(flown)) and bool(np.isin(flown, BLIND).all())
 
 
 def _is_emergency_stop(t: Array, status: Array) -> bool:
-    """Return whether only an emergency stop can be a vehicle's first CUT; t and status are (T,)."""
-    given = np.isfinite(status)
-    t, status = t[given], status[given]
+    """Return whether only an emergency stop can be a vehicle's first CUT; t and status are (C,)."""
     first = int((status != CommandStatus.CUT).cumprod().sum())
     if first in (0, len(t)) or t[first] - t[first - 1] > LEVEL_AFTER_S:
         return False
@@ -70,9 +71,7 @@ def _is_emergency_stop(t: Array, status: Array) -> bool:
 
 
 def _blind_since(t: Array, status: Array) -> float | None:
-    """Return since when a vehicle had no feedback [s], if its last command is LAND; t and status are (T,)."""
-    given = np.isfinite(status)
-    t, status = t[given], status[given]
+    """Return since when a vehicle had no feedback [s], if its last command is LAND; t and status are (C,)."""
     if not len(t) or status[-1] != CommandStatus.LAND:
         return None
     seen = np.flatnonzero(~np.isin(status, BLIND))
