@@ -110,7 +110,7 @@ class _Prepared:
 def _identified(
     recordings: Sequence[Recording], params: ProcedureParams, on_step: StepCallback, remarks: list[str]
 ) -> Identification:
-    """Take the steps of the procedure; each adds its remarks."""
+    """Take the steps of the procedure; each appends its remarks to `remarks`."""
     found = _prepared(recordings, params.vehicle, on_step, remarks)
     gains, loop, data = found.gains, found.loop, found.data
     on_step("zone")

@@ -7,8 +7,8 @@ their references, sum dev^2 up to a tenth, in the rows where its response is abo
 
 It is not known, either, whether thrust lags and whether the controller integrates, as an integral that flew
 is seldom significant: intervals hold those of the fits without lag and with the most that it may be, without
-and with an integral. An offset is fitted if it is significantly better, and the fits with an integral than
-which it is significantly better are left out.
+and with an integral. An offset is fitted if it makes the fit significantly better. A fit with an integral is
+left out if that with an offset is significantly better.
 """
 
 from collections.abc import Sequence

@@ -57,6 +57,8 @@ LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}
 HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "lag": 0.5}
 START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "lag": 0.05}
 """Bounds and first values of the search [1/s^2], [1/s], [1/s^3], [s]: far around those of small vehicles."""
+NO_RESIDUAL = 1e-300
+"""Squares in place of 0 where a fit leaves no residual [m^2]."""
 SIGMAS = 2.0
 """Bound of a residual over its root mean square [-]: 95 % of a normal."""
 ABOVE = 5.0
@@ -159,7 +161,7 @@ def is_better(more: TrajectoryGains, less: TrajectoryGains) -> bool:
     """Return whether an F test finds the extra terms of `more` significant."""
     extra = more.terms - less.terms
     freedom = max(more.rows - more.terms, 1.0)
-    ratio = (less.rms**2 - more.rms**2) / max(more.rms**2, 1e-300) * freedom / extra
+    ratio = (less.rms**2 - more.rms**2) / max(more.rms**2, NO_RESIDUAL) * freedom / extra
     return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < SIGNIFICANCE)
 
 
@@ -226,5 +228,7 @@ def _rms(residuals: Sequence[Array]) -> float:
 def _correlation(residuals: Sequence[Array]) -> float:
     along = sum(float((residual[1:] * residual[:-1]).sum()) for residual in residuals)
     return float(
-        np.clip(along / max(sum(float((residual**2).sum()) for residual in residuals), 1e-300), 0.0, 0.9999)
+        np.clip(
+            along / max(sum(float((residual**2).sum()) for residual in residuals), NO_RESIDUAL), 0.0, 0.9999
+        )
     )
