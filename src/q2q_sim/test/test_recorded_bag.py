@@ -21,7 +21,7 @@ def serialized_at(second: int) -> bytes:
 
 def recorded_in(bag: Path) -> RecordedBag:
     """Return a bag of commands by their header stamps."""
-    made = RecordedBag(BagWriter(bag), lambda _: OfferedQos(), by_header=True)
+    made = RecordedBag(BagWriter(bag), lambda _: OfferedQos())
     made.add_topic("/command", COMMAND, latched=False)
     return made
 

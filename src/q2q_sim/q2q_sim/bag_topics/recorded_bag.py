@@ -6,7 +6,6 @@ A disk that takes no more ends the recording, but not the recorder, so that a fl
 import sys
 from collections.abc import Callable, Collection
 from contextlib import suppress
-from time import time_ns
 
 from q2q_model.bag import BagError, BagWriter, OfferedQos
 from q2q_model.counted import counted
@@ -20,13 +19,18 @@ from q2q_sim.bag_topics.recorded_topics import silent_topics_note
 class RecordedBag:
     """Bag with the messages stored in it and the count of those that it lacks."""
 
-    def __init__(self, writer: BagWriter, offered: Callable[[str], OfferedQos], *, by_header: bool) -> None:
+    def __init__(
+        self,
+        writer: BagWriter,
+        offered: Callable[[str], OfferedQos],
+        clock: Callable[[], int] | None = None,
+    ) -> None:
         """Take an empty bag.
 
         Args:
             writer: the bag.
             offered: returns what the publishers of a topic offer now.
-            by_header: the time of a message is its header's stamp, not that of its receipt.
+            clock: returns the time of receipt [ns]; None takes the stamp in a message's header for its time.
         """
         self.health = Health()
         """Messages stored (ticks) and lost (missed)."""
@@ -34,7 +38,7 @@ class RecordedBag:
         """Whether the disk has taken no more."""
         self.received: set[str] = set()
         """Topics with a message."""
-        self._writer, self._offered, self._by_header = writer, offered, by_header
+        self._writer, self._offered, self._clock = writer, offered, clock
         self._foreign: dict[str, str] = {}
         """Topics of other software and their types, until their first message shows how they are offered."""
         self._lost: dict[str, int] = {}
@@ -50,7 +54,7 @@ class RecordedBag:
     def take(self, topic: str, data: bytes) -> None:
         """Store a serialised message."""
         try:
-            stamp_ns = header_stamp_ns(data) if self._by_header else time_ns()
+            stamp_ns = self._clock() if self._clock else header_stamp_ns(data)
         except ValueError as refusal:
             self.health.refuse(f"{topic}: {refusal}; not recorded")
             return
@@ -58,7 +62,7 @@ class RecordedBag:
 
     def take_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
         """Store a signal that was stamped at `stamp_ns`."""
-        self._store(topic, stamp_ns if self._by_header else time_ns(), encode(signal, stamp_ns))
+        self._store(topic, self._clock() if self._clock else stamp_ns, encode(signal, stamp_ns))
 
     def count_lost(self, topic: str, total: int) -> None:
         """Count the messages of a topic, `total` since the start, that came and were not read in time."""

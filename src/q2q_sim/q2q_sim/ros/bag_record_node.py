@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from time import time_ns
 
 from rclpy.event_handler import (
     QoSRequestedIncompatibleQoSInfo,
@@ -76,7 +77,7 @@ class Recorder:
         asked = types if params.topics else types.keys() - TYPE_NAMES
         self._asked = sorted(names[topic] for topic in asked)
         writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
-        self.bag = RecordedBag(writer, partial(_offered, node), by_header=by_header)
+        self.bag = RecordedBag(writer, partial(_offered, node), None if by_header else time_ns)
         bus = bus_of(node)
         for topic, kind in types.items():
             whole = names[topic]
