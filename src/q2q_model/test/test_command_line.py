@@ -194,6 +194,25 @@ def test_output_that_nobody_reads_ends_a_command_without_a_traceback(lines: int)
     assert said == b""
 
 
+def test_a_closed_standard_output_is_refused_before_the_work_and_closed_errors_are_dropped():
+    program = (
+        "import sys; from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "work = lambda _: print('document') or print('errors', file=sys.stderr) or 0\n"
+        "sys.exit(run_command(CommandLine('tool', 'Does things.', 'tool'), lambda _: work, []))"
+    )
+
+    def run(closed: str) -> subprocess.CompletedProcess[str]:
+        command = ["sh", "-c", f'exec "$0" -c "$1" {closed}', sys.executable, program]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    refused = run(">&-")
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert refused.stderr.startswith("tool: standard output is closed: redirect it")
+    assert refused.stderr.count("\n") == 1
+    dropped = run("2>&-")
+    assert (dropped.returncode, dropped.stdout, dropped.stderr) == (0, "document\n", "")
+
+
 def test_output_in_an_encoding_that_lacks_a_letter_is_printed_all_the_same():
     program = (
         "from q2q_model.commands.command_line import CommandLine, run_command\n"

@@ -6,6 +6,7 @@ Parsing and checking need the standard library only, so help and errors appear w
 """
 
 import argparse
+import os
 import re
 import sys
 import warnings
@@ -14,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from io import TextIOWrapper
+from pathlib import Path
 from typing import NoReturn
 
 from q2q_model.commands.clean_exit import (
@@ -79,6 +81,8 @@ def run_command(
 ) -> int:
     """Parse a command line, execute it and return the exit status.
 
+    A closed standard output is refused with status 2 before the work.
+
     Args:
         line: parser.
         prepare: checks the parsed arguments (raises UsageError, ValueError, OSError), imports, and returns
@@ -87,9 +91,12 @@ def run_command(
         interrupted: message after Ctrl-C; the status is 130.
         refused: exit status after a ValueError or OSError, whose notes are printed before it.
     """
+    _open_standard_error()
     _replace_unprintable()
     own, of_ros = split_at_ros(argv)
     args = line.parse_args(own, Namespace(argv=own, ros_argv=of_ros))
+    if sys.stdout is None:  # `>&-`; the first file that is opened would take its number, and what C prints
+        line.error("standard output is closed: redirect it, as by > FILE or > /dev/null")
     try:
         with warnings_in_one_line(line.prog):
             with exiting_on_signal(INTERRUPTED), lean_imports():
@@ -110,6 +117,12 @@ def run_command(
         for said in (*getattr(refusal, "__notes__", ()), failure_reason(refusal)):
             print(f"{line.prog}: {said}", file=sys.stderr)
         return refused
+
+
+def _open_standard_error() -> None:
+    """Drop errors where standard error is closed (`2>&-`): `print` would write them to standard output."""
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115 - until the process ends
 
 
 def _replace_unprintable() -> None:
