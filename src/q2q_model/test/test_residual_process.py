@@ -261,6 +261,8 @@ def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_
     assert answer.acc[1, 2] == pytest.approx(0.0, abs=1e-6)  # whose push is as predicted
     assert answer.std[0, 2] < PROCESS.std(np.array(law))
     assert block.update(state) is answer  # asked for again after its tick was measured
+    block.update(replace(state, t=t - 0.5 * STEP))
+    assert block.update(state) is answer  # and after a late one
 
 
 @pytest.mark.parametrize("back", [0.02, 0.4, 100.0])

@@ -12,7 +12,7 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 
 | input | output |
 |---|---|
-| a repeated stamp | the previous output, also if its tick was measured since |
+| a repeated stamp | the previous output, also if its tick was measured, or a late one predicted, since |
 | no measurement yet, one of another vehicle, NaN | the prediction unchanged |
 | a measurement older than `OLDEST` | the prediction unchanged: nothing of the residual is left |
 | a measurement not later than the last, or of a time without prediction | ignored |
@@ -65,6 +65,7 @@ class ResidualCorrector:
 
     def _forget(self) -> None:
         self._predicted: RecentTicks[Interference] = RecentTicks(OLDEST)
+        self._corrected: Interference | None = None
         self._t = -np.inf
         self._names: Names = ()
         self._residual: Array = np.zeros(0)
@@ -77,10 +78,16 @@ class ResidualCorrector:
         """Return a prediction corrected by what has been measured."""
         if self._order.reject_stamp(prediction.t):
             return prediction
+        if is_repeated(self._corrected, prediction.t, prediction.names):
+            return self._corrected
         last = self._predicted.last
         if last is not None and prediction.t < last.t:
             self._forget()
         self._predicted.remember(prediction)
+        self._corrected = self._correct(prediction)
+        return self._corrected
+
+    def _correct(self, prediction: Interference) -> Interference:
         age = prediction.t - self._t
         rows = index_of(prediction.names, self._names)
         known = (rows >= 0) & (prediction.status != InterferenceStatus.NO_MODEL)
@@ -142,21 +149,16 @@ class CorrectedPredictor:
     def __init__(self, predictor: InteractionPredictor, process: ResidualProcess, vehicle: Vehicle) -> None:
         self._predictor, self._push = predictor, MeasuredPush(vehicle)
         self._corrector = ResidualCorrector(process)
-        self._last: Interference | None = None
 
     def reset(self) -> None:
         """Forget the past."""
         self._predictor.reset()
         self._push.reset()
         self._corrector.reset()
-        self._last = None
 
     def update(self, state: SwarmState) -> Interference:
         """Return the corrected downwash on every vehicle of `state`, in its order."""
-        if is_repeated(self._last, state.t, state.names):
-            return self._last
-        self._last = self._corrector.update(self._predictor.update(state))
-        return self._last
+        return self._corrector.update(self._predictor.update(state))
 
     def sense(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
         """Take the measurements of a tick, after the prediction of that tick."""
