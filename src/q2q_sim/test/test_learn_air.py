@@ -185,6 +185,8 @@ def test_what_a_vehicle_absorbs_is_found_from_three_above_each_other() -> None:
     assert_within(found.values, "absorption.share", ABSORPTION.share)
     assert abs(found.term.width_m - ABSORPTION.width_m) <= 0.04  # two steps of the grid
     assert both.value < 0.95
+    no_push = replace(wake.jet, push_mps2=0.0 * wake.jet.push_mps2)
+    assert sum_of_two(triples, no_push) is None
 
 
 def test_the_torque_at_the_edge_is_found_from_what_the_motors_do_against_it() -> None:

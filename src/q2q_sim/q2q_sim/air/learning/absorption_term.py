@@ -58,7 +58,10 @@ def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[A
 
 
 def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
-    """Return how large two co-axial wakes together are over the sum of each alone; None with few rows."""
+    """Return how large two co-axial wakes together are over the sum of each alone.
+
+    None with fewer than FEWEST rows, or where the jet pushes in none of them.
+    """
     parts = rows_under_two(records)
     if not parts:
         return None
@@ -69,7 +72,7 @@ def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     y, both = np.concatenate([part.y for part in parts])[coaxial], -(near + far)[coaxial]
     products = np.stack([y * both, both * both], axis=1)
     found = slope_spread(products, wake_rows.row_blocks(parts)[coaxial])
-    return fitted_value(found, 0, "two wakes over their sum", y.size, SOURCE)
+    return fitted_value(found, 0, "two wakes over their sum", y.size, SOURCE) if found else None
 
 
 def _pushes(parts: Sequence[WakeRows], jet: JetTerm) -> tuple[Array, Array]:

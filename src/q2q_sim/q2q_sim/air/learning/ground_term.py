@@ -40,12 +40,12 @@ def ground_term(records: Sequence[AirRecord]) -> LearnedTerm[GroundTerm]:
                 places.append(Row(record.name, record.motion.t[near]))
                 products.append(np.stack([closeness * gain, closeness**2], axis=1))
                 rows += int(near.sum())
-    if rows < FEWEST:
+    spread = slope_spread(np.concatenate(products), block_of_rows(places)) if rows >= FEWEST else None
+    if spread is None:
         value = Fitted(
             "ground.coefficient", ONE_ROTOR, None, None, rows, "not learned: Cheeseman and Bennett 1955"
         )
         return LearnedTerm(GroundTerm(ONE_ROTOR, ROTOR_RADIUS), (value,))
-    spread = slope_spread(np.concatenate(products), block_of_rows(places))
     found = fitted_value(spread, 0, "ground.coefficient", rows, f"rows below {NEAR} m")
     return LearnedTerm(GroundTerm(found.value, ROTOR_RADIUS), (found,))
 

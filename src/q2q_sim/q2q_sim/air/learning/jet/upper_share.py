@@ -19,7 +19,8 @@ MOST = 1.0
 def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
     """Return u for the splines' coefficients of P; None if the upper rows do not show it.
 
-    They are fewer than FEWEST, or u or an end of its interval is beyond 1, more than the source gives.
+    They are fewer than FEWEST, P is 0 in all of them, or u or an end of its interval is beyond 1, more than
+    the source gives.
     """
     parts = [(record, one) for record in records for one in record.samples if one.upper.any()]
     rows = [np.flatnonzero(one.upper) for _, one in parts]
@@ -31,7 +32,7 @@ def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
     )
     blocks = block_of_rows([Row(r.name, r.motion.t[at]) for (r, _), at in zip(parts, rows, strict=True)])
     found = slope_spread(np.stack([push * y, push * push], axis=1), blocks)
-    if np.nanmax(np.abs([found.value, found.low, found.high])) > MOST:
+    if found is None or np.nanmax(np.abs([found.value, found.low, found.high])) > MOST:
         return None
     return fitted_value(found, 0, "jet.upper_ratio", y.size, "rows above one vehicle and below none")
 

@@ -78,15 +78,17 @@ def estimate_spread(estimate: WeightedEstimate, count: int) -> Spread:
     return Spread(value, low, high)
 
 
-def slope_spread(products: Array, blocks: BlockOfRows) -> Spread:
+def slope_spread(products: Array, blocks: BlockOfRows) -> Spread | None:
     """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2).
 
-    Of rows with no x but 0 it is 0.
+    None without a row whose x is not 0: they show no slope. A draw without one does not count.
     """
     sums = block_sums(products, blocks)
+    if not sums[:, 1].any():
+        return None
 
     def estimate(weight: Array) -> Array:
         along, square = weight @ sums
-        return np.array([along / max(square, np.finfo(float).tiny)])
+        return np.array([along / square if square > 0.0 else np.nan])
 
     return estimate_spread(estimate, len(sums))
