@@ -36,7 +36,7 @@ class Solved:
         """Keep a prediction."""
         self.received.append(prediction)
 
-    def silent_neighbours(self, _: float) -> Names:
+    def silent_neighbours(self, _: SwarmState) -> Names:
         """Return none."""
         return ()
 

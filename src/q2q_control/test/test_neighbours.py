@@ -11,6 +11,7 @@ from q2q_control.mpc.prediction.downwash_horizon import GradientRule, Others, pr
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.prediction.neighbours import (
     LATE_FADE,
+    MOST_POSITIONS,
     SILENT,
     TRACKING,
     PredictedPaths,
@@ -22,7 +23,9 @@ from q2q_control.mpc.prediction.neighbours import (
     positions_at,
 )
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
+from q2q_model.signals.cdr.cdr_head import MOST_VEHICLES
 from q2q_model.signals.values import Array, CommandStatus, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.tunable import tunable_of
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 PERIOD = 0.1
@@ -209,12 +212,40 @@ def test_the_downwash_of_an_uncertain_source_is_its_mean_over_a_normal_distribut
         assert abs(downwash_below(x, 0.0, jet)[0] - exact) > 0.06  # nine times that; 0.065 at 0.2 m
 
 
+def state_of(t: float, *names: str) -> SwarmState:
+    """Return vehicles at rest at the origin."""
+    return resting_state(t, names, np.zeros((len(names), 3)))
+
+
 def test_a_neighbour_is_silent_once_several_of_its_predictions_are_missing() -> None:
-    received = ReceivedPredictions(PERIOD)
-    assert received.silent(100.0) == ()  # no prediction has come yet
+    received, names = ReceivedPredictions(PERIOD), ("cf1", "cf2", "cf3")
+    assert received.silent(state_of(100.0, *names)) == ()  # no prediction has come yet
     received.receive(prediction(1.0))
     received.receive(prediction(1.3, name="cf3"))
-    assert received.silent(1.0 + 0.99 * SILENT * PERIOD) == ()
-    assert received.silent(1.0 + 1.01 * SILENT * PERIOD) == ("cf2",)
+    assert received.silent(state_of(1.0 + 0.99 * SILENT * PERIOD, *names)) == ()
+    late = state_of(1.0 + 1.01 * SILENT * PERIOD, *names)
+    assert received.silent(late) == ("cf2",)
+    assert received.silent(state_of(late.t, "cf1", "cf3")) == ()  # nothing of cf2 is needed
     received.receive(prediction(1.5))
-    assert received.silent(1.0 + 1.01 * SILENT * PERIOD) == ()
+    assert received.silent(late) == ()
+
+
+def test_names_that_change_are_forgotten_but_those_heard_last() -> None:
+    received, first = ReceivedPredictions(PERIOD), 1.0
+    received.receive(prediction(first, name="cf2"))
+    for k in range(MOST_VEHICLES + 5):
+        received.receive(prediction(first, name=f"other{k}"))
+        if k == 10:
+            received.receive(prediction(first + PERIOD, name="cf2"))
+    kept = [k for k in range(MOST_VEHICLES + 5) if received.has(f"other{k}", first)]
+    assert kept == list(range(6, MOST_VEHICLES + 5))
+    assert received.has("cf2", first + PERIOD)
+
+
+def test_a_prediction_that_is_too_large_is_refused() -> None:
+    assert tunable_of(MpcParams.__dataclass_fields__["steps"]).high == MOST_POSITIONS - 1
+    with pytest.raises(ValueError, match=r"positions \(1, 402, 3\) of 1 vehicles: \(n, 2 to 401, 3\) is"):
+        PredictedPaths(0.5, ("cf2",), 0.52, 0.05, np.zeros((1, MOST_POSITIONS + 1, 3), np.float32))
+    names = tuple(f"cf{k}" for k in range(MOST_VEHICLES + 1))
+    with pytest.raises(ValueError, match="prediction of 10001 vehicles; at most 10000 are allowed"):
+        PredictedPaths(0.5, names, 0.52, 0.05, np.zeros((len(names), 2, 3), np.float32))

@@ -197,9 +197,9 @@ class Mpc:
         """Return whether a neighbour's prediction of a tick at t [s] or later has arrived."""
         return self._received.has(name, t)
 
-    def silent_neighbours(self, t: float) -> Names:
-        """Return the vehicles of other controllers whose predictions have come and then stopped at t [s]."""
-        return self._received.silent(t)
+    def silent_neighbours(self, state: SwarmState) -> Names:
+        """Return the vehicles of `state` whose predictions have come and then stopped."""
+        return self._received.silent(state)
 
     @property
     def prediction(self) -> PredictedPaths | None:

@@ -80,7 +80,7 @@ class PredictionExchange:
     def _look_for_neighbours(self) -> None:
         """Report which neighbours are silent, and that others fly own vehicles."""
         self._wiring.health.doubts[f"{PREDICTIONS} conflicts"] = self._conflicts()
-        silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
+        silent = self._mpc.silent_neighbours(self._state) if self._state is not None else ()
         names = ", ".join(silent)
         report = f"{PREDICTIONS}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
         if silent and silent != self._silent:

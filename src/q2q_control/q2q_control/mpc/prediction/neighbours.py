@@ -27,9 +27,10 @@ from numpy.typing import NDArray
 from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours
 from q2q_model.compiled import compiled
+from q2q_model.signals.cdr.cdr_head import MOST_VEHICLES
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.stamps import SAME_STAMP
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, rows_by_name
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, check_unique, rows_by_name
 
 LATE_FADE = 0.2
 """Time constant of a late prediction [s]: that for which an MPC follows its own last solution by default."""
@@ -37,6 +38,8 @@ TRACKING = 0.05
 """Spread of a neighbour about its reference [m]: the default `tracking` of the safe replanner."""
 SILENT = 5
 """Periods without a prediction after which a neighbour is silent: one or two are lost messages."""
+MOST_POSITIONS = 401
+"""Largest number of positions of a path: those of the longest horizon, `steps` of MpcParams."""
 LEAST_STEP, MOST_AHEAD = 1e-3, 100.0
 """Minimum step, and maximum time from the tick to the start [s]: then integer steps do not overflow."""
 
@@ -59,10 +62,13 @@ class PredictedPaths:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be interpolated."""
+        if len(self.names) > MOST_VEHICLES:
+            raise ValueError(f"prediction of {len(self.names)} vehicles; at most {MOST_VEHICLES} are allowed")
         shape = self.pos.shape
-        if len(shape) != 3 or shape[0] != len(self.names) or shape[1] < 2 or shape[2] != 3:
+        fits = len(shape) == 3 and shape[0] == len(self.names) and shape[2] == 3
+        if not (fits and 2 <= shape[1] <= MOST_POSITIONS):
             raise ValueError(
-                f"positions {shape} of {len(self.names)} vehicles: (n, 2 or more, 3) is expected"
+                f"positions {shape} of {len(self.names)} vehicles: (n, 2 to {MOST_POSITIONS}, 3) is expected"
             )
         if not (LEAST_STEP <= self.step < np.inf and abs(self.start - self.t) <= MOST_AHEAD):
             raise ValueError(
@@ -88,7 +94,7 @@ class ReceivedPath(NamedTuple):
 
 
 class ReceivedPredictions:
-    """Newest predictions of every neighbour."""
+    """Newest predictions of every neighbour, of MOST_VEHICLES at most."""
 
     def __init__(self, period: float) -> None:
         """Start without predictions; a newer one is expected every `period` [s]."""
@@ -98,26 +104,30 @@ class ReceivedPredictions:
     def receive(self, prediction: PredictedPaths) -> None:
         """Take a prediction; the last two of a vehicle are kept, since one may be of the tick to come.
 
-        Those later than it by more than SET_BACK_S are of a clock that was set back.
+        Those later than it by more than SET_BACK_S are of a clock that was set back. With more than
+        MOST_VEHICLES names the one that was received longest ago is forgotten.
         """
         t, pos = prediction.t, prediction.pos.astype(np.float64)
         for row, name in enumerate(prediction.names):
             received = ReceivedPath(t, prediction.start, prediction.step, pos[row])
             kept = [
                 one
-                for one in self._received.get(name, [])
+                for one in self._received.pop(name, [])
                 if abs(one.t - received.t) > SAME_STAMP and one.t <= received.t + SET_BACK_S
             ]
             self._received[name] = sorted([*kept, received], key=lambda one: one.t)[-2:]
+        while len(self._received) > MOST_VEHICLES:
+            del self._received[next(iter(self._received))]
 
     def has(self, name: str, t: float) -> bool:
         """Return whether a prediction made at t [s] or later has arrived."""
         return any(one.t > t - SAME_STAMP for one in self._received.get(name, ()))
 
-    def silent(self, t: float) -> Names:
-        """Return the neighbours whose newest prediction is older than SILENT periods at t [s]."""
-        oldest = t - SILENT * self._period
-        return tuple(sorted(name for name, paths in self._received.items() if paths[-1].t < oldest))
+    def silent(self, state: SwarmState) -> Names:
+        """Return the vehicles of `state` whose newest prediction is older than SILENT periods then."""
+        oldest = state.t - SILENT * self._period
+        known = (name for name in state.names if name in self._received)
+        return tuple(sorted(name for name in known if self._received[name][-1].t < oldest))
 
     def follow(self, t: float, neighbours: Neighbours, times: Array) -> tuple[Neighbours, Array]:
         """Return neighbours on the predictions made before a tick at t [s], and the shares of those, (n,).
