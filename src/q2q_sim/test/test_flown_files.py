@@ -104,6 +104,15 @@ def test_vehicle_and_air_of_the_command_line_come_before_the_files(plan: Path) -
     assert set(WAKES) == {wake.name.lower() for wake in WakeLaw}
 
 
+def test_choices_of_which_one_would_be_ignored_are_refused() -> None:
+    with pytest.raises(ValueError, match="distributed with controller = 'pid': give controller = 'mpc'"):
+        FlightRequest("table6", distributed=True)
+    with pytest.raises(ValueError, match="record predictions of a flight that is not distributed"):
+        FlightRequest("table6", controller="mpc", record=("predictions",))
+    with pytest.raises(ValueError, match="wake = 'paper' and air = 'room': give one of them"):
+        FlightRequest("table6", wake="paper", air="room")
+
+
 @pytest.mark.parametrize(
     ("name", "text", "says"),
     [

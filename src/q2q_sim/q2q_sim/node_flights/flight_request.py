@@ -4,12 +4,13 @@ from dataclasses import dataclass, replace
 
 from q2q_model.bag import FlightFacts
 from q2q_model.model_files.find_model import find_model
+from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.scenario_air import air_of
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.scenario_variants import with_air, with_choices
+from q2q_sim.scenarios.scenario_variants import check_wake_or_air, with_air, with_choices
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +47,14 @@ class FlightRequest:
     """Terms of the air that are switched off."""
     correct: bool = False
     """Correct the predicted downwash by positions and accelerometers."""
+
+    def __post_init__(self) -> None:
+        """Refuse choices of which one would be ignored."""
+        if self.distributed and self.controller != "mpc":
+            raise ValueError(f"distributed with controller = {self.controller!r}: give controller = 'mpc'")
+        if PREDICTIONS in self.record and not self.distributed:
+            raise ValueError(f"record {PREDICTIONS} of a flight that is not distributed: record other topics")
+        check_wake_or_air(self.wake, self.air)
 
     @property
     def options(self) -> flight_blocks.BlockChoices:
