@@ -133,6 +133,11 @@ def test_a_file_is_read_row_by_row(tmp_path: Path):
     file = tmp_path / "path.csv"
     np.savetxt(file, rows, delimiter=",", header="duration,x^0")
     one = UavTrajectory()
+    assert one.polynomials is None
+    assert one.duration is None
+    for ask in (one.n_pieces, lambda: one.eval(0.0)):
+        with pytest.raises(TypeError, match="a trajectory without polynomials: read a file by loadcsv"):
+            ask()
     one.loadcsv(file)
     assert (one.n_pieces(), one.duration) == (2, 33.0)
     assert list(one.polynomials[1].py.p) == list(range(42, 50))

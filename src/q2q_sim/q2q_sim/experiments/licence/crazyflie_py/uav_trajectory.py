@@ -92,15 +92,15 @@ class Polynomial4D:
 
 
 class UavTrajectory:
-    """Trajectory of pieces."""
+    """Trajectory of pieces, which has none, nor a duration, until they are read or set."""
 
     def __init__(self) -> None:
-        self.polynomials: list[Polynomial4D] = []
-        self.duration = 0.0
+        self.polynomials: list[Polynomial4D] | None = None
+        self.duration: float | None = None
 
     def n_pieces(self) -> int:
         """Return the number of pieces."""
-        return len(self.polynomials)
+        return len(pieces_of(self))
 
     def loadcsv(self, filename: str | Path) -> None:
         """Read a file."""
@@ -110,11 +110,21 @@ class UavTrajectory:
 
     def eval(self, t: float) -> TrajectoryOutput:
         """Return the state at t [s]."""
+        pieces = pieces_of(self)
+        if self.duration is None:
+            raise TypeError("a trajectory without a duration: set it to the sum of those of its polynomials")
         if not 0.0 <= t <= self.duration:
             raise ValueError(f"t = {t}: 0 to {self.duration} s is allowed")
         begin = 0.0
-        for piece in self.polynomials:
+        for piece in pieces:
             if t <= begin + piece.duration:
                 return piece.eval(t - begin)
             begin += piece.duration
-        return self.polynomials[-1].eval(self.polynomials[-1].duration)
+        return pieces[-1].eval(pieces[-1].duration)
+
+
+def pieces_of(trajectory: UavTrajectory) -> list[Polynomial4D]:
+    """Return the pieces of a trajectory; raise TypeError if it has none yet, as crazyflie_py does."""
+    if trajectory.polynomials is None:
+        raise TypeError("a trajectory without polynomials: read a file by loadcsv, or set polynomials")
+    return trajectory.polynomials

@@ -21,7 +21,7 @@ from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport,
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
-from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import UavTrajectory
+from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import UavTrajectory, pieces_of
 from q2q_sim.experiments.licence.program.patched_time import EPOCH
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 
@@ -87,7 +87,7 @@ class CrazyflieCalls(Absence):
     def uploadTrajectory(self, trajectoryId: int, pieceOffset: int, trajectory: UavTrajectory) -> None:
         """Upload a trajectory, behind `pieceOffset` pieces of others; returns when it has arrived."""
         pieces = []
-        for one in trajectory.polynomials:
+        for one in pieces_of(trajectory):
             named = {"px": one.px, "py": one.py, "pz": one.pz, "pyaw": one.pyaw}
             axes = [coefficients(axis.p, f"uploadTrajectory: {name}.p") for name, axis in named.items()]
             if any(axis.shape != (COEFFICIENTS,) for axis in axes):
