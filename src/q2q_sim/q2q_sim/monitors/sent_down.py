@@ -3,14 +3,14 @@
 | finding | commands |
 |---|---|
 | motors were cut | CUT |
-| motors were cut by an emergency stop | CUT right after OK, SATURATED, DEGRADED or LEVEL |
+| motors were cut by an emergency stop | CUT right after OK, SATURATED or DEGRADED |
 | landed blind | LAND on the floor |
 | was never measured | from the first to the last, or to CUT, LEVEL or LAND |
 | was flown blind to the end | the last is LAND |
 
-The failsafe cuts after LAND, or after HOLD where a clock was set ahead by seconds
-(q2q_control.failsafe.fallback_phases), and an emergency stop at any time: a cut right after HOLD or LAND, or
-after a gap in the recording, is reported without a cause.
+The failsafe (q2q_control.failsafe.fallback_phases) cuts after LAND, after LEVEL where land_s is cut_s, or
+after HOLD where a clock was set ahead by seconds, and an emergency stop at any time: a cut right after one of
+these, or after a gap in the recording, is reported without a cause.
 
 Only the whole recording shows that a vehicle was never measured, and only a part up to its end how it ended.
 A vehicle has C recorded commands; ticks without one do not count.
@@ -29,7 +29,7 @@ from q2q_sim.monitors.policies.floor import touches_floor
 
 BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands without feedback beyond HOLD, which is short and follows a measurement."""
-BEFORE_FAILSAFE_CUT = (CommandStatus.HOLD, CommandStatus.LAND)
+BEFORE_FAILSAFE_CUT = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands right after which the failsafe may cut."""
 
 
