@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import BORROWING, HOT, compiled
-from q2q_model.prefetch import prefetch
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
@@ -26,6 +25,7 @@ from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, StepMemory, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir
 from q2q_sim.plant.push.neighbour_list import NeighbourList
+from q2q_sim.plant.push.prefetch import prefetch
 from q2q_sim.plant.push.state_history_ring import empty_ring, remember
 from q2q_sim.plant.room_vehicle import body_of_room
 from q2q_sim.plant.swarm import PHYSICS_RATE

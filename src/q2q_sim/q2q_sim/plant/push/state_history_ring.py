@@ -9,9 +9,9 @@ import math
 import numpy as np
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.prefetch import prefetch
 from q2q_model.signals.values import Array, Rows
 from q2q_sim.plant.body.state_row import F1, F2, F3, F4, QW, QX, QY, QZ, VX, VY, X, Y, Z
+from q2q_sim.plant.push.prefetch import prefetch
 
 THRUST_RATIO = 3
 """Column of T / (m g) in a slot, after x, y, z [m]."""
