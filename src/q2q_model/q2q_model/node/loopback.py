@@ -18,6 +18,8 @@ Source: Fast DDS 2.14, XML profiles, `interfaceWhiteList`; rmw_fastrtps_shared_c
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 
+LOOPBACK = "127.0.0.1"
+"""Address of the interface, as in PROFILE."""
 PROFILE = Path(__file__).with_name("loopback.xml")
 PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """Environment variables of a profile: up to Fast DDS 2, the version of ours, and from 3."""

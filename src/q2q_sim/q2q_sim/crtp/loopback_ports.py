@@ -4,9 +4,9 @@ import socket
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from q2q_model.node.loopback import LOOPBACK
 from q2q_model.tunable import check_bounds, tunable
 
-LOOPBACK = "127.0.0.1"
 LAST_PORT = 65535
 
 

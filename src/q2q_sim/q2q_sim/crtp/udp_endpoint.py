@@ -13,10 +13,11 @@ from time import monotonic
 from typing import Self
 
 from q2q_model.counted import counted
+from q2q_model.node.loopback import LOOPBACK
 from q2q_model.signals.values import Array
 from q2q_sim.crtp.client_warnings import ClientWarnings
 from q2q_sim.crtp.fleet import Fleet, Sent
-from q2q_sim.crtp.loopback_ports import LOOPBACK, opened_ports
+from q2q_sim.crtp.loopback_ports import opened_ports
 from q2q_sim.crtp.packets.packet import is_stream
 from q2q_sim.crtp.vehicle import CrtpVehicle
 from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadios

@@ -19,13 +19,12 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr.cdr_writer import encode
+from q2q_sim.packages import PACKAGES
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.node_configurations import VEHICLE, Configuration, configurations, write_start_files
 from q2q_sim.ros.required_parameters import required_parameters
 from q2q_sim.ros.stand_in import Declared, RecordedPort, StandInNode
 from q2q_sim.ros.surveyed_ports import surveyed_ports
-
-PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 
 
 @dataclass(frozen=True, slots=True)

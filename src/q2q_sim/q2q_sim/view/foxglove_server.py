@@ -5,6 +5,7 @@ The SDK (foxglove-sdk) is optional: it is imported when a server is opened.
 
 from typing import TYPE_CHECKING
 
+from q2q_model.node.loopback import LOOPBACK
 from q2q_model.signals.stamps import stamp_parts
 from q2q_model.signals.values import Three
 from q2q_sim.view.shapes import ARROW_HEAD, Scene, Shape, ShapeKind, arrow_quat
@@ -12,7 +13,6 @@ from q2q_sim.view.shapes import ARROW_HEAD, Scene, Shape, ShapeKind, arrow_quat
 if TYPE_CHECKING:
     from foxglove import messages
 
-LOOPBACK = "127.0.0.1"
 TOPIC = "/scene"
 WORLD = "world"
 HEAD_LENGTH = 0.05

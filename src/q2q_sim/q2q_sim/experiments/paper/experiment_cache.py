@@ -8,10 +8,10 @@ from pathlib import Path
 from q2q_model.documents.shipped_folder import shipped_folder
 from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
+from q2q_sim.packages import PACKAGES
 
-PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 SUFFIXES = (".py", ".yaml", ".q2q", ".air")
-"""Packages whose code and data affect the results."""
+"""Files whose content affects the results: code, parameters, models and airs."""
 
 
 class PaperCache:

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from time import monotonic
 
 from q2q_model.compiled import COMPILED, KERNELS, uncached_kernels
+from q2q_sim.packages import PACKAGES
 from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.tools.kernels.kernel_calls import calls
 
-PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
 """Parts of the packages without kernels that import ROS or torch."""
 WORKERS = 2
