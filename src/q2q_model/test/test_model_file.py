@@ -1,6 +1,7 @@
 """Tests of the model file: round trip, and one clear error for every fault."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,15 @@ def test_a_file_cut_anywhere_is_one_clear_error():
 def test_a_text_beyond_the_bound_is_refused_before_it_is_parsed():
     with pytest.raises(ModelFileError, match=f"{LONGEST + 1} characters; at most {LONGEST} are read"):
         decode("[" * (LONGEST + 1))
+
+
+def test_entries_nested_too_deeply_to_be_read_or_summed_up_are_refused():
+    """Some depths are read and not written: the checksum of these exceeded the recursion limit."""
+    text = encode(ModelFile(PAPER_LAW))
+    limit = sys.getrecursionlimit()
+    for depth in range(limit - 150, limit + 10):
+        with pytest.raises(ModelFileError, match=r"checksum does not match|nested too deeply|recursion"):
+            decode(text.replace('"fit": null', f'"fit": {"[" * depth}{"]" * depth}'))
 
 
 def test_an_edited_number_is_found_by_the_checksum():

@@ -165,6 +165,13 @@ def test_a_field_with_an_underscore_has_the_key_that_python_reserves() -> None:
             from_plain(Source, given, "file")
 
 
+@pytest.mark.parametrize("depth", [100, 200, 900])
+def test_an_array_that_is_nested_too_deeply_is_refused(depth: int) -> None:
+    nested = json.loads("[" * depth + "1" + "]" * depth)
+    with pytest.raises(PlainValueError, match=r"^file: "):
+        from_plain(Document, {"paths": PATHS, "table": nested}, "file")
+
+
 def test_unknown_keys_of_a_foreign_document_are_ignored_at_every_level() -> None:
     given = {"paths": {"cf1": [{"pos": [0, 1, 2], "color": "red"}]}, "version": 3}
     assert from_plain(Document, given, "", extra=True) == from_plain(Document, {"paths": PATHS}, "")

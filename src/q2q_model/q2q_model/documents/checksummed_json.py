@@ -68,6 +68,9 @@ def decode_checksummed(text: str, form: FileFormat) -> dict[str, Plain]:
 
 
 def checksum(body: Mapping[str, object]) -> str:
-    """Return the checksum over entries."""
-    canonical = json.dumps(body, sort_keys=True, separators=(",", ":"))
+    """Return the checksum over entries; raise ChecksummedFileError if they are nested too deeply."""
+    try:
+        canonical = json.dumps(body, sort_keys=True, separators=(",", ":"))
+    except RecursionError as error:
+        raise ChecksummedFileError("the entries are nested too deeply") from error
     return hashlib.sha256(canonical.encode()).hexdigest()

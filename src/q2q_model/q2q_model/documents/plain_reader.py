@@ -53,6 +53,13 @@ class _UnexpectedError(ValueError):
 def structure(kind: type[T], plain: object, *, extra: bool) -> T:
     """Return plain values as a `kind`; raise ValueError with a sentence for each of the first mistakes."""
     try:
+        return _structured(kind, plain, extra=extra)
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
+
+
+def _structured(kind: type[T], plain: object, *, extra: bool) -> T:
+    try:
         return _converter(extra).structure(plain, kind)
     except (ClassValidationError, IterableValidationError, _UnexpectedError) as error:
         mistakes = list(_mistakes(error, "", kind))
