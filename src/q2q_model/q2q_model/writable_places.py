@@ -1,6 +1,8 @@
 """Places to write to, checked before the work whose result goes there; missing folders may be created."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 STDOUT = Path("/dev/stdout")
@@ -13,9 +15,10 @@ def writable_file(path: Path) -> Path:
     Raises:
         ValueError: it is a folder, is to lie in a file, or cannot be written.
     """
-    if path.is_dir():
-        raise ValueError(f"{path} is a folder; give a file")
-    return _permitted(path)
+    with _refusing(path):
+        if path.is_dir():
+            raise ValueError(f"{path} is a folder; give a file")
+        return _permitted(path)
 
 
 def writable_folder(path: Path) -> Path:
@@ -24,9 +27,20 @@ def writable_folder(path: Path) -> Path:
     Raises:
         ValueError: it is a file, is to lie in a file, or cannot be written.
     """
-    if path.exists() and not path.is_dir():
-        raise ValueError(f"{path} is a file; give a folder")
-    return _permitted(path)
+    with _refusing(path):
+        if path.exists() and not path.is_dir():
+            raise ValueError(f"{path} is a file; give a folder")
+        return _permitted(path)
+
+
+@contextmanager
+def _refusing(path: Path) -> Iterator[None]:
+    """Raise ValueError for a path that the system refuses: too long, or in a folder closed to this user."""
+    try:
+        yield
+    except OSError as error:
+        reason = str(error.strerror).lower()
+        raise ValueError(f"{path} cannot be written ({reason}); give another place") from error
 
 
 def _permitted(path: Path) -> Path:

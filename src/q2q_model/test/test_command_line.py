@@ -11,15 +11,13 @@ import pytest
 
 from q2q_model.commands import identify
 from q2q_model.commands.argument_paths import require_apart
-from q2q_model.commands.argument_types import output_file, output_folder, whole_number
+from q2q_model.commands.argument_types import whole_number
 from q2q_model.commands.command_line import CommandLine, UsageError, nearest_word, run_command
 from q2q_model.commands.ros_arguments import outside_ros
 
 
 def made() -> CommandLine:
     line = CommandLine("tool", "Does things.", "  tool --seed 3")
-    line.add_argument("--json", type=output_file, help="file")
-    line.add_argument("--out", type=output_folder, help="folder")
     line.add_argument("--seed", type=int, help="seed")
     line.add_argument("--controller", choices=("pid", "mpc"), help="who")
     return line
@@ -56,54 +54,6 @@ def test_a_whole_number_out_of_bounds_is_answered_with_the_bound_that_it_breaks(
     assert whole_number(0)(f"{2**63 - 1}") == 2**63 - 1
     with pytest.raises(argparse.ArgumentTypeError, match=f"^{given}: a whole number is expected, {allowed}$"):
         whole_number(0)(given)
-
-
-@pytest.mark.parametrize(
-    ("words", "answer"),
-    [
-        (["--json", "{folder}"], "argument --json: {folder} is a folder; give a file"),
-        (["--out", "{file}"], "argument --out: {file} is a file; give a folder"),
-        (["--out", "/dev/null"], "argument --out: /dev/null is a file; give a folder"),
-        (["--out", "/dev/null/a"], "argument --out: /dev/null is a file; it cannot hold a"),
-        (["--json", "{file}/a/b.json"], "argument --json: {file} is a file; it cannot hold a/b.json"),
-    ],
-)
-def test_a_place_that_cannot_be_written_is_refused_before_the_work(
-    words: list[str], answer: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
-    file = tmp_path / "notes.txt"
-    file.touch()
-    with pytest.raises(SystemExit) as ended:
-        made().parse_args([word.format(folder=tmp_path, file=file) for word in words])
-    assert ended.value.code == 2
-    assert capsys.readouterr().err == f"tool: {answer.format(folder=tmp_path, file=file)}; see --help\n"
-
-
-@pytest.mark.parametrize(
-    ("words", "there"), [(["--out", "{folder}/a/b"], "{folder}"), (["--json", "{file}"], "{file}")]
-)
-def test_a_place_without_permission_is_refused_before_the_work(
-    words: list[str],
-    there: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-):
-    file = tmp_path / "notes.txt"
-    file.touch()
-    place = there.format(folder=tmp_path, file=file)
-    monkeypatch.setattr(
-        os, "access", lambda path, mode: mode == os.W_OK and str(path) != place
-    )  # also for root
-    with pytest.raises(SystemExit) as ended:
-        made().parse_args([word.format(folder=tmp_path, file=file) for word in words])
-    assert ended.value.code == 2
-    assert f"{place} cannot be written (permission denied); give another place" in capsys.readouterr().err
-
-
-def test_a_place_that_does_not_exist_yet_is_taken(tmp_path: Path):
-    args = made().parse_args(["--json", f"{tmp_path}/a/b.json", "--out", f"{tmp_path}/c"])
-    assert (args.json, args.out) == (tmp_path / "a" / "b.json", tmp_path / "c")
 
 
 def test_two_names_of_one_file_are_refused_and_of_one_device_are_not(tmp_path: Path):
