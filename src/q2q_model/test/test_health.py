@@ -1,6 +1,6 @@
 """Grading a node's health, and letting through so many events a second."""
 
-from q2q_model.diagnostics.health import Health, Level, health_report, tick_rate
+from q2q_model.diagnostics.health import LONGEST_REASON, Health, Level, health_report, tick_rate
 from q2q_model.node.decimation import Decimation
 
 
@@ -46,6 +46,16 @@ def test_a_missed_tick_or_a_fallback_warns_and_a_refusal_is_an_error_with_its_re
     graded = health_report(Health(), health)
     assert graded.level == Level.ERROR
     assert "5 numbers" in graded.summary
+
+
+def test_of_a_reason_as_long_as_the_refused_message_the_beginning_is_reported() -> None:
+    health = Health()
+    health.refuse("x" * LONGEST_REASON)
+    assert health.last_refusal == "x" * LONGEST_REASON
+    health.refuse("model: unknown key '" + 1_000_000 * "x")
+    assert health.last_refusal.startswith("model: unknown key 'xxx")
+    assert health.last_refusal.endswith("x...")
+    assert len(health.last_refusal) == LONGEST_REASON
 
 
 def test_a_fallback_is_told_from_a_missed_tick() -> None:

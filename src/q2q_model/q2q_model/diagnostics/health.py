@@ -6,6 +6,9 @@ from enum import IntEnum
 
 from q2q_model.counted import counted
 
+LONGEST_REASON = 500
+"""Longest reason of a refusal that is kept [characters]: some repeat names or keys of what was refused."""
+
 
 class Level(IntEnum):
     """Diagnostic level of a node (diagnostic_msgs/DiagnosticStatus)."""
@@ -42,9 +45,10 @@ class Health:
     """Further diagnostic values of the node."""
 
     def refuse(self, reason: str) -> None:
-        """Count a rejected message."""
+        """Count a rejected message, and keep the beginning of the reason."""
         self.refused += 1
-        self.last_refusal = reason
+        long = len(reason) > LONGEST_REASON
+        self.last_refusal = f"{reason[: LONGEST_REASON - 3]}..." if long else reason
 
 
 @dataclass(frozen=True, slots=True)
