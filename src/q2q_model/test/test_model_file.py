@@ -165,8 +165,9 @@ def test_files_that_cannot_be_read_are_model_file_errors(tmp_path: Path):
     binary = tmp_path / "binary.q2q"
     binary.write_bytes(b"\xff\xfe\x00")
     for path in (tmp_path / "missing.q2q", tmp_path, binary):
-        with pytest.raises(ModelFileError, match="cannot be read"):
+        with pytest.raises(ModelFileError, match=r": cannot be read \(") as refusal:
             load(path)
+        assert str(refusal.value).count(path.name) == 1  # the system's error names it, too
 
 
 def test_models_are_found_by_name_by_path_and_otherwise_the_known_names_are_reported(tmp_path: Path):

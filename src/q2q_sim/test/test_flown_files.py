@@ -117,7 +117,7 @@ def test_choices_of_which_one_would_be_ignored_are_refused() -> None:
     ("name", "text", "says"),
     [
         ("both.yaml", "plan: mine.json\n" + WAYPOINTS, "vehicles and plan are both given"),
-        ("none.yaml", "plan: absent.json\n", "absent.json cannot be read as a plan"),
+        ("none.yaml", "plan: absent.json\n", "plan .*absent.json cannot be read"),
         ("number.yaml", "plan: 3\n", "plan = 3: the path of a plan file is expected"),
         ("points.json", '{"vehicles": {}}', "points.json is not a plan: format and version"),
         ("points.csv", "t,x,y,z\n", "or a file: .yaml of a scenario or waypoints, .json of a plan"),

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import yaml
 
+from q2q_model.documents.read_text import read_text
+
 
 def load_yaml(path: Path) -> object:
     """Return the content of a YAML file.
@@ -17,11 +19,7 @@ def load_yaml(path: Path) -> object:
         ValueError: naming the file, and the line or why it cannot be read.
     """
     try:
-        return parse_yaml(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: is not valid YAML: not UTF-8 ({error.reason})") from error
+        return parse_yaml(read_text(path))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 

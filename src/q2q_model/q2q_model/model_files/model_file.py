@@ -18,6 +18,7 @@ from typing import TypeVar
 
 from q2q_model.documents.checksummed_json import FileFormat, decode_checksummed, encode_checksummed
 from q2q_model.documents.plain_values import Plain, PlainValueError, from_plain, to_plain
+from q2q_model.documents.read_text import read_text
 from q2q_model.documents.written_file import write_text
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
@@ -102,12 +103,8 @@ def load(path: Path) -> ModelFile:
         ModelFileError: it cannot be read, is no model file, is damaged, or has a value out of bounds.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ModelFileError(f"model file {path} cannot be read: {error}") from error
-    try:
-        return decode(text)
-    except ModelFileError as error:
+        return decode(read_text(path))
+    except ValueError as error:
         raise ModelFileError(f"model file {path}: {error}") from error
 
 

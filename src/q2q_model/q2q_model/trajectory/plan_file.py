@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.documents.checksummed_json import checksum
+from q2q_model.documents.read_text import read_text
 from q2q_model.documents.written_file import write_text
 from q2q_model.signals.values import Array
 from q2q_model.signals.vehicle_name import check_vehicle_name
@@ -140,9 +141,9 @@ def load_with_facts(path: Path) -> tuple[SwarmPlan, PlanFacts]:
         ValueError: the file is absent, unreadable or no plan.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} cannot be read as a plan: {error}") from error
+        text = read_text(path)
+    except ValueError as error:
+        raise ValueError(f"plan {path} {error}") from error
     return decode(text, str(path))
 
 

@@ -18,6 +18,7 @@ from q2q_model.documents.checksummed_json import (
     encode_checksummed,
 )
 from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
+from q2q_model.documents.read_text import read_text
 from q2q_model.documents.written_file import write_text
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.room_air import RoomAir
@@ -38,10 +39,8 @@ def load(path: Path) -> RoomAir:
         AirError: it cannot be read, is no air file, is damaged, or has an unknown term or a wrong value.
     """
     try:
-        return decode(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise AirError(f"air file {path} cannot be read: {error}") from error
-    except AirError as error:
+        return decode(read_text(path))
+    except ValueError as error:
         raise AirError(f"air file {path}: {error}") from error
 
 
