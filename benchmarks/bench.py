@@ -19,7 +19,7 @@ from pathlib import Path
 from area_process import AreaError, Bench
 from compare_checkout import bench_of, compare_rows, comparison_table, has_area
 from q2q_model.commands.argument_types import add_printed_json, output_folder
-from q2q_model.commands.command_line import CommandLine
+from q2q_model.commands.command_line import CLOSED_OUTPUT, CommandLine
 from q2q_model.documents.json_file import text_stream
 from q2q_model.writable_places import STDOUT
 from row import Row
@@ -77,6 +77,8 @@ def _parser() -> CommandLine:
 
 def _refusal(args: Namespace) -> str | None:
     """Return why the arguments cannot be carried out."""
+    if sys.stdout is None:
+        return CLOSED_OUTPUT
     if str(args.json) in areas():
         return f"`--json {args.json}` names a file: give the area first, as in `bench {args.json} --json`"
     for area in args.area:

@@ -106,6 +106,12 @@ def test_an_interrupt_loses_the_rows_of_its_area_only(
     assert printed.err.endswith("bench: interrupted\n")
 
 
+def test_a_closed_standard_output_is_refused(monkeypatch: pytest.MonkeyPatch, capfd: Capture):
+    monkeypatch.setattr(sys, "stdout", None)
+    assert bench.main(["simulation", "--json"]) == 2
+    assert capfd.readouterr().err.startswith("bench: standard output is closed: redirect it")
+
+
 def test_both_values_are_in_the_table_and_the_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
 ):

@@ -34,6 +34,8 @@ INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
 CUT_OFF = 141
 """Exit status if nobody reads the output any more (`| head`), as shells have it: 128 + SIGPIPE."""
+CLOSED_OUTPUT = "standard output is closed: redirect it, as by > FILE or > /dev/null"
+"""Refusal of a command whose results nobody could read."""
 
 Work = Callable[[Namespace], int]
 """Execution of parsed arguments; returns the exit status."""
@@ -95,8 +97,8 @@ def run_command(
     _replace_unprintable()
     own, of_ros = split_at_ros(argv)
     args = line.parse_args(own, Namespace(argv=own, ros_argv=of_ros))
-    if sys.stdout is None:  # `>&-`; the first file that is opened would take its number, and what C prints
-        line.error("standard output is closed: redirect it, as by > FILE or > /dev/null")
+    if sys.stdout is None:  # `>&-`; the next file that is opened would get its descriptor, and what C prints
+        line.error(CLOSED_OUTPUT)
     try:
         with warnings_in_one_line(line.prog):
             with exiting_on_signal(INTERRUPTED), lean_imports():
