@@ -38,7 +38,6 @@ from q2q_model.downwash.predictor_kernel import (
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
-    SourceTerms,
     source_terms,
     strengths,
     thrust_ratio,
@@ -97,32 +96,38 @@ class InteractionPredictor:
         """Write the sums over all sources, whose past the model may need."""
         now = np.empty((len(state.names), 9))
         pairs = find_pairs(states, now, self._bounds)
-        self._remember(state, now)
+        past = self._remember(state, now)
         try:
-            outputs = self._outputs(state, now, pairs) if pairs[0].size else _NO_PAIR
+            outputs = self._outputs(state, now, pairs, past) if pairs[0].size else _NO_PAIR
         except ModelOutputError as error:
             raise _with_names(error, state, pairs) from error
         sum_over_sources(pairs, outputs, states, self._bounds[0] > 0.0, sums)
 
-    def _remember(self, state: SwarmState, now: Array) -> None:
+    def _remember(self, state: SwarmState, now: Array) -> StateHistory:
+        """Return the history in the rows of a state, which it is added to unless its stamp is rejected."""
         rejected = self._order.reject_stamp(state.t)
         if self._order.was_set:
             self._names = ()  # the history begins again
+        past = self._history
         if state.names != self._names:
             fresh = StateHistory(len(state.names), _span(self.model))
-            rows = index_of(state.names, self._names)
-            self._history = self._history.reordered(rows) if self._names else fresh
-            self._names = state.names
-        if not rejected and state.t > self._history.newest:
-            self._history.push(state.t, now)
+            past = past.reordered(index_of(state.names, self._names)) if self._names else fresh
+        if rejected:
+            return past
+        self._history, self._names = past, state.names
+        if state.t > past.newest:
+            past.push(state.t, now)
+        return past
 
-    def _outputs(self, state: SwarmState, now: Array, pairs: OrderedPairs) -> PairInteractions:
+    def _outputs(
+        self, state: SwarmState, now: Array, pairs: OrderedPairs, history: StateHistory
+    ) -> PairInteractions:
         """Return the outputs of the model for the pairs of a tick."""
         i, j = pairs
         stale: Mask = np.not_equal(state.status[j], _TRACKED)
 
         def past(delay: Array) -> SourceStates:
-            found = self._history.at(state.t - delay, j)
+            found = history.at(state.t - delay, j)
             unknown = np.asarray(~np.isfinite(found[:, :6]).all(axis=1))
             stale[unknown] = True
             return SourceStates.of_rows(np.where(unknown[:, None], now[j], found))
@@ -132,20 +137,20 @@ class InteractionPredictor:
         )
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
         if self._terms != PAIRS_ALONE:
-            thrust = self._thrust_ratio(state.t, now, pairs, self._terms)
+            thrust = self._thrust_ratio(state.t, now, pairs, history)
             share = strengths(i, j, eta[:, 2:].copy(), thrust, self._terms)
             eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
 
-    def _thrust_ratio(self, t: float, now: Array, pairs: OrderedPairs, terms: SourceTerms) -> Array:
+    def _thrust_ratio(self, t: float, now: Array, pairs: OrderedPairs, history: StateHistory) -> Array:
         """Return thrust over weight of each pair's source when its air left it, (p, 1); 1 where unknown."""
         i, j = pairs
-        if terms.loading == 0.0:
+        if self._terms.loading == 0.0:
             return np.ones((j.size, 1))
         left = t - self.model.delay(now[j, :3] - now[i, :3])
         before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, t)
-        vel = [self._history.at(when, j)[:, 3:6] for when in (before, after)]
-        seen = np.minimum(after, self._history.newest) - np.maximum(before, self._history.oldest)
+        vel = [history.at(when, j)[:, 3:6] for when in (before, after)]
+        seen = np.minimum(after, history.newest) - np.maximum(before, history.oldest)
         ratio = thrust_ratio(vel[0], vel[1], seen)
         return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
 
