@@ -17,6 +17,7 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, warning_log
+from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.ros.node.input_warnings import (
     AbsentNames,
     StalledStampWarning,
@@ -114,6 +115,18 @@ def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_afte
         names.update(0, frame("cf7", "cf1"))
     message = "reference_safe: cf7 not in state, which has cf1, cf2: is the plan for these vehicles?"
     assert warnings(node) == [message]
+
+
+def test_unknown_names_that_change_for_ever_are_reported_a_bounded_number_of_times(node: Node) -> None:
+    warn = warn_of_unknown_names(node, "mocap", ("cf1",))
+    absent = AbsentNames(node, "state", "reference_safe: {}")
+    absent.take_source(("cf1",))
+    for k in range(5 * MOST_WARNINGS):
+        warn(0, frame("cf1", f"m{k}"))
+        absent.update(0, frame("cf1", f"m{k}"))
+    found = warnings(node)
+    assert sum(one.startswith("mocap: ") for one in found) == MOST_WARNINGS
+    assert sum(one.startswith("reference_safe: ") for one in found) == MOST_WARNINGS
 
 
 def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: Node) -> None:

@@ -1,10 +1,14 @@
-"""Warnings of input that is of no use to a node: unknown names, stalled stamps."""
+"""Warnings of input that is of no use to a node: unknown names, stalled stamps.
+
+Names that change for ever are reported MOST_WARNINGS times at most.
+"""
 
 from collections.abc import Callable
 
 from rclpy.node import Node
 
 from q2q_model.diagnostics.health import Health
+from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import Names
@@ -42,7 +46,7 @@ def _warn_once(
             return
         last = signal.names
         different = differ(last)
-        if different not in warned:
+        if different not in warned and len(warned) <= MOST_WARNINGS:
             warned.add(different)
             node.get_logger().warning(f"{topic}: {', '.join(different)} {why(last)}")
 
@@ -79,7 +83,7 @@ class AbsentNames:
         message = f"{', '.join(absent)} not in {self._source}, which has {', '.join(self._there)}"
         if self._health is not None:
             self._health.doubts[f"{self._source}'s vehicles"] = message if absent else ""
-        if absent not in self._warned:
+        if absent not in self._warned and len(self._warned) <= MOST_WARNINGS:
             self._warned.add(absent)
             self._node.get_logger().warning(self._warning.format(message))
 

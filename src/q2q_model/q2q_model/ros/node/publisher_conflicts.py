@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from rclpy.node import Node
 
 from q2q_model.diagnostics.health import Health
+from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 
 
 def publishers_of(node: Node, topic: str) -> list[str]:
@@ -34,7 +35,7 @@ class TopicConflict:
         killed = "; one that was killed counts until DDS drops it" if namesakes else ""
         among = f"{len(writers)} nodes write it ({', '.join(writers)})"
         message = f"{self.topic}: {among}; {may}: stop the others{killed}"
-        if message not in self._warned:
+        if message not in self._warned and len(self._warned) < MOST_WARNINGS:
             self._warned.add(message)
             self._node.get_logger().warning(message)
         return message
