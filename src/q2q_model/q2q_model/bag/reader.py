@@ -10,8 +10,9 @@ from q2q_model.bag.storage.open_source import open_source
 from q2q_model.bag.storage.source import Channel, RawMessage
 from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.signals.cdr.cdr_reader import SignalReader
+from q2q_model.signals.cdr.cdr_rows import rows_of_messages
 from q2q_model.signals.layout import SIGNALS, Signal
-from q2q_model.signals.rows import SignalRows, rows_of_messages
+from q2q_model.signals.rows import SignalRows
 
 __all__ = ["BagReader", "RawMessage", "TimedSignal"]
 

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from q2q_model.signals.cdr.cdr_format import NAMES_AT, STAMP, START, BadMessageError
 from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_rows import MOST_KINDS, rows_of_messages
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
-from q2q_model.signals.rows import MOST_KINDS, SignalRows, rows_of_messages
+from q2q_model.signals.rows import SignalRows
 from q2q_model.signals.values import MocapFrame, SwarmState
 
 SWARMS = (("cf1", "cf2"), ("cf2", "cf1"), ("cf1",), (), ("cf1", "cf2", "cf3"))
