@@ -17,7 +17,7 @@ from time import perf_counter
 
 import numpy as np
 
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.plant.body.quadcopter import advance
 from q2q_sim.plant.body.state_row import STATE_WIDTH
 from q2q_sim.plant.body.vectorised_step import COMMAND_WIDTH, DRIVE_WIDTH

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

@@ -17,7 +17,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE

@@ -14,7 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.identification.selection.jet_candidates import FORMS
 from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode, plan_of
 from q2q_sim.monitors.metrics.flight_metrics import VehicleMetrics, measure

@@ -4,7 +4,7 @@ import reprlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.lookup.find_air import FlownAir, find_air
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document

@@ -18,7 +18,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.checked_wake import CheckedWake
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.bag_topics.scenario_facts import scenario_facts

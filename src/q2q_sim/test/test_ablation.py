@@ -17,7 +17,7 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_sim.air.air_names import FLIGHTS, ROOM, SYNTHETIC
 from q2q_sim.air.air_terms import WindTerm
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation import learned_models, variant_flight
 from q2q_sim.experiments.ablation.ablation_cases import (

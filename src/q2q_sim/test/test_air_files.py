@@ -12,7 +12,7 @@ from q2q_model.documents.checksummed_json import checksum
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.air_file import decode, encode, load, save
 from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, check_air
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import TERMS, RoomAir, without_terms
 from q2q_sim.air.term_bounds import ABOVE_ZERO, ACCELERATIONS, NOT_NEGATIVE
 from q2q_sim.air.wake_laws import WakeLaw

@@ -18,7 +18,7 @@ from q2q_model.signals.values import SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST

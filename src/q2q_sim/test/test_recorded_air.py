@@ -9,9 +9,9 @@ import pytest
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import AirError, air_path, check_air
-from q2q_sim.air.find_air import find_air
 from q2q_sim.air.learning.jet.jet_table import push_in_table
 from q2q_sim.air.learning.recorded_air import FADE
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4] / "shared" / "data"))

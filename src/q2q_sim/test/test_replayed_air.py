@@ -11,7 +11,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path
-from q2q_sim.air.travel_speed import travel_speed
+from q2q_sim.air.lookup.travel_speed import travel_speed
 from q2q_sim.air.wake_laws import MEASURED, MEASURED_SPEED, PAPER, wake_push
 from q2q_sim.commands.replay_page import main
 from q2q_sim.loop.recording import FlightRecording

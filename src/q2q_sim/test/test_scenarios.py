@@ -17,7 +17,7 @@ from q2q_model.vehicle.constants import (
 )
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.scenario_air import air_of

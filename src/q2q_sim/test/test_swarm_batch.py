@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake import AirSetup, Push, Sources
 from q2q_sim.air.wake_laws import WakeLaw

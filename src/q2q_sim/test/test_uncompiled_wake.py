@@ -9,7 +9,7 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.checked_wake import CheckedWake
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.wake import AirSetup, Push, Sources
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.plant.body.state_row import POS, VEL

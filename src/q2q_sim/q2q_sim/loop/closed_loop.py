@@ -17,7 +17,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_NS, TICK_S
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.loop.room import Room, Tick

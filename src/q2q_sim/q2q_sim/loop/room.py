@@ -27,7 +27,7 @@ from q2q_model.signals.values import (
     SwarmState,
     index_of,
 )
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.link.radio import Radio, RadioParams, command_values
 from q2q_sim.loop.scenario_air import air_of, ambient_of_air, ambient_of_scenario

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.lookup.find_air import FlownAir, find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.plant.disturbance import STILL, Disturbance, DisturbanceParams

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.plant.body.quadcopter import Body, body_of
 

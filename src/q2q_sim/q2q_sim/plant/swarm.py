@@ -12,7 +12,7 @@ from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, Axi
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array, Names, Rows, SwarmState, Three, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake import AirSetup

@@ -14,7 +14,7 @@ import numpy as np
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
 from q2q_sim.plant.body.quadcopter import Body

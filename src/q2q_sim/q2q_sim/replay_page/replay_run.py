@@ -10,7 +10,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.travel_speed import travel_speed
+from q2q_sim.air.lookup.travel_speed import travel_speed
 from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from q2q_model.documents.written_file import write_text
-from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.lookup.find_air import FlownAir, find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers

@@ -21,7 +21,7 @@ from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.experiments.ablation.learned_models import LearnedModel

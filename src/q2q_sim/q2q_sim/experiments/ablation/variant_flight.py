@@ -17,7 +17,7 @@ import numpy as np
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.experiments.ablation.ablation_cases import Case, scenarios_of
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup

@@ -12,7 +12,7 @@ from rich.table import Table
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_model.plain_console import plain_console
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights

@@ -19,7 +19,7 @@ from dataclasses import replace
 
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_terms import VehicleTerm
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 from q2q_sim.experiments.campaign.random_run import GAINS

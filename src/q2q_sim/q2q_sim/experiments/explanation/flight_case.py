@@ -6,7 +6,7 @@ from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import MODES, BlockChoices, plan_of
 from q2q_sim.loop.scenario_air import air_of

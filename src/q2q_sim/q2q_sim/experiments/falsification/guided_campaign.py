@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from q2q_model.documents.json_file import write_json
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 from q2q_sim.experiments.falsification.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.experiments.falsification.candidate_flight import fly_candidate

@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, Case
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.variant_flight import COLUMNS, VariantFlight, fly_variant

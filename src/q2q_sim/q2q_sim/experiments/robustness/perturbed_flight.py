@@ -18,7 +18,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.vehicle.thrust_map import STOCK
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
 from q2q_sim.experiments.robustness.perturbations import (
     Perturbation,

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams

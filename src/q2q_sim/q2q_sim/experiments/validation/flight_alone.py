@@ -18,7 +18,7 @@ from q2q_model.geometry.rotations import normalised, yaw_from_quat
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.experiments.validation.comparison import ErrorSums, error_sums
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE
 from q2q_sim.experiments.validation.tracked_flight import flying_grid

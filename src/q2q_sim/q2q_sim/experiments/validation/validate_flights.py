@@ -11,7 +11,7 @@ from q2q_model.flights.copies.same_flight import fit_remarks
 from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
 from q2q_sim.experiments.validation.drawn_air import draws_in

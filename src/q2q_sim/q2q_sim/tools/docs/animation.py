@@ -26,7 +26,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.rotations import rotate
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.scenarios import library

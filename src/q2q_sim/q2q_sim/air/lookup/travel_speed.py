@@ -3,7 +3,7 @@
 from math import inf
 
 from q2q_sim.air.air_names import LAWS, OWN, ROOM, AirError, is_recorded
-from q2q_sim.air.find_air import find_air
+from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import MEASURED, MEASURED_SPEED, wake_by_name
 
