@@ -17,8 +17,8 @@ from procedure_room import ProcedureRoom
 from q2q_control.flight_procedure.steps import Call, Step
 from q2q_control.flight_procedure.supervisor_info import READY
 from q2q_control.radio import radio_vehicles
-from q2q_control.radio.firmware_params import first_difference
-from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
+from q2q_control.radio.link.firmware_params import first_difference
+from q2q_control.radio.link.vehicle_link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.ros import procedure_services, radio_topics, radio_wiring
 from q2q_control.ros.radio_wiring import RadioNode
 from q2q_model.trajectory.polynomials import SwarmPlan

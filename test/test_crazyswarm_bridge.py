@@ -16,7 +16,7 @@ from geometry_msgs.msg import Point
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
 from q2q_control.radio.crazyflies_file import crazyflies_from_document
-from q2q_control.radio.rpyt_scale import RpytScale
+from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_control.ros.controller_wiring import LegacyTopics
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types

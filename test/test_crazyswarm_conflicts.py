@@ -8,7 +8,7 @@ import rclpy
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
-from q2q_control.radio.rpyt_scale import RpytScale
+from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_sim.processes.domain import own_domain
 

@@ -14,7 +14,6 @@ from fresh_checkout import ROOT
 ALLOWED = {
     "q2q_control.flight_procedure": {"checks", "progress"},
     "q2q_control.mpc": {"prediction", "problem", "solver"},
-    "q2q_control.radio": {"pilot"},
     "q2q_planner.online.safe": {"choice"},
     "q2q_sim.monitors.policies": {"exemptions"},
 }

@@ -61,7 +61,7 @@ QUESTIONS = (
     ("where is a command clipped?", "q2q_control/attitude/thrust_vector.py", "write_command"),
     ("where is the Riccati recursion?", "q2q_control/mpc/solver/riccati.py", "solve"),
     ("where are the fallback phases?", "q2q_control/failsafe/fallback_phases.py", "fallback_command"),
-    ("where is a real vehicle's radio link?", "q2q_control/radio/cflib_link.py", "CflibLink"),
+    ("where is a real vehicle's radio link?", "q2q_control/radio/link/cflib_link.py", "CflibLink"),
     (
         "where is the firmware's supervisor emulated?",
         "q2q_sim/firmware/supervisor/supervisor.py",

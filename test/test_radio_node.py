@@ -17,8 +17,8 @@ from rclpy.client import Client
 from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
-from q2q_control.radio import cflib_link
-from q2q_control.radio.firmware_params import POSE_STD, firmware_params, first_difference
+from q2q_control.radio.link import cflib_link
+from q2q_control.radio.link.firmware_params import POSE_STD, firmware_params, first_difference
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.messages import MESSAGES

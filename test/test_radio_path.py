@@ -19,12 +19,12 @@ from cflib.crazyflie.supervisor import Supervisor
 
 from cflib_fleet import STILL, Wire
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.radio.link.rpyt_scale import RpytScale
+from q2q_control.radio.link.setpoints import full_states, level_rpyt, rpyt_setpoints
+from q2q_control.radio.link.vehicle_link import CflibSender, LinkHealth
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.pilot.radio_pilot import RadioPilot
 from q2q_control.radio.pilot.vehicle_record import Phase
-from q2q_control.radio.rpyt_scale import RpytScale
-from q2q_control.radio.setpoints import full_states, level_rpyt, rpyt_setpoints
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array

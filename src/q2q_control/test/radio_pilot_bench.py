@@ -7,14 +7,14 @@ import numpy as np
 from resting_signals import resting_state
 
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import LinkHealth
-from q2q_control.radio.pilot.pilot_params import RadioPilotParams
-from q2q_control.radio.pilot.radio_pilot import RadioPilot
-from q2q_control.radio.pilot.vehicle_record import Phase
-from q2q_control.radio.setpoints import (
+from q2q_control.radio.link.setpoints import (
     FullState,
     RpytSetpoint,
 )
+from q2q_control.radio.link.vehicle_link import LinkHealth
+from q2q_control.radio.pilot.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.radio_pilot import RadioPilot
+from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import (
     SwarmState,

@@ -5,7 +5,7 @@ import pytest
 
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.fallback_phases import apply_land_and_cut, fallback_command
-from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
+from q2q_control.radio.link.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 
 LAST = SwarmCommand(

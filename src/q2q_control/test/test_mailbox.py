@@ -1,6 +1,6 @@
 """The mailbox of a vehicle sends on whatever a packet raises, and reports it."""
 
-from q2q_control.radio.mailbox import Mailbox
+from q2q_control.radio.link.mailbox import Mailbox
 
 
 def test_packets_that_raise_are_reported_once_and_the_next_are_sent() -> None:

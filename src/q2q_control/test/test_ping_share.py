@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from q2q_control.radio.ping_share import WINDOW, PingShare
+from q2q_control.radio.link.ping_share import WINDOW, PingShare
 
 
 def pinged(lost: int, times: int) -> PingShare:

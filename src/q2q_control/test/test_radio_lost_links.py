@@ -5,10 +5,10 @@ from dataclasses import replace
 from radio_pilot_bench import LANDING_S, NAMES, WELL, Bench, FakeLink
 
 from q2q_control.flight_procedure.steps import Act
-from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.link.setpoints import RpytSetpoint
+from q2q_control.radio.link.vehicle_link import LinkHealth
 from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_control.radio.radio_executor import RadioExecutor
-from q2q_control.radio.setpoints import RpytSetpoint
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 DOWN, FLIES = LinkHealth(connected=False), replace(WELL, flying=True)

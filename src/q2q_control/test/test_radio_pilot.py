@@ -10,13 +10,13 @@ from radio_pilot_bench import LANDING_S, NAMES, PARAMS, WELL, Bench, state
 
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import CflibSender
-from q2q_control.radio.pilot.vehicle_record import Phase
-from q2q_control.radio.radio_executor import RadioExecutor
-from q2q_control.radio.setpoints import (
+from q2q_control.radio.link.setpoints import (
     ZERO_RPYT,
     RpytSetpoint,
 )
+from q2q_control.radio.link.vehicle_link import CflibSender
+from q2q_control.radio.pilot.vehicle_record import Phase
+from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import (
     SwarmState,

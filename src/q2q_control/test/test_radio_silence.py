@@ -8,14 +8,14 @@ from radio_pilot_bench import HOVER, LANDING_S, NAMES, WELL, Bench
 from resting_signals import level_command
 
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import LinkHealth
-from q2q_control.radio.pilot.pilot_params import RadioPilotParams
-from q2q_control.radio.pilot.vehicle_record import Phase
-from q2q_control.radio.setpoints import (
+from q2q_control.radio.link.setpoints import (
     FullState,
     RpytSetpoint,
     cut_vehicles,
 )
+from q2q_control.radio.link.vehicle_link import LinkHealth
+from q2q_control.radio.pilot.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_model.signals.values import (
     CommandStatus,
 )

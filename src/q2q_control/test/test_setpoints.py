@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from resting_signals import resting_setpoint
 
-from q2q_control.radio.rpyt_scale import RpytScale
-from q2q_control.radio.setpoints import (
+from q2q_control.radio.link.rpyt_scale import RpytScale
+from q2q_control.radio.link.setpoints import (
     RpytSetpoint,
     full_states,
     level_rpyt,

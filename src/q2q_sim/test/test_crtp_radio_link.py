@@ -15,8 +15,8 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from cflib_fleet import CflibFleet
-from q2q_control.radio.cflib_link import CflibLink
-from q2q_control.radio.firmware_params import (
+from q2q_control.radio.link.cflib_link import CflibLink
+from q2q_control.radio.link.firmware_params import (
     APP,
     CONTROLLER,
     TableEntry,
@@ -24,8 +24,8 @@ from q2q_control.radio.firmware_params import (
     required_with_app,
     unsettable,
 )
-from q2q_control.radio.firmware_settings import FirmwareSettings
-from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.link.firmware_settings import FirmwareSettings
+from q2q_control.radio.link.vehicle_link import LinkHealth
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams

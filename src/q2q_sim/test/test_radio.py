@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
+from q2q_control.radio.link.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 from q2q_sim.link.radio import Radio, RadioParams, command_values

@@ -6,7 +6,7 @@ from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.motion_capture_file import check_tracking, motion_capture_from_file
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.radio.crazyflies_file import check_connections, crazyflies_from_document, params_set
-from q2q_control.radio.firmware_params import firmware_params
+from q2q_control.radio.link.firmware_params import firmware_params
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.signals.values import Names, check_unique
 from q2q_model.signals.vehicle_name import check_vehicle_name

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
+from q2q_control.radio.link.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import (

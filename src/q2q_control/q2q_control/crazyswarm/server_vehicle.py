@@ -10,7 +10,7 @@ from math import inf, nan
 
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
-from q2q_control.radio.firmware_params import (
+from q2q_control.radio.link.firmware_params import (
     APP,
     CONTROLLER,
     OUT_OF_TREE,

@@ -1,1 +1,1 @@
-"""Real vehicles over cflib: links, setpoints, pilot, parameters."""
+"""Real vehicles over cflib: their link, their pilot, and the vehicles of the node `radio`."""

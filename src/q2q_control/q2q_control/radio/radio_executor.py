@@ -6,7 +6,7 @@ from math import nan
 
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.steps import Order
-from q2q_control.radio.link import VehicleLink
+from q2q_control.radio.link.vehicle_link import VehicleLink
 from q2q_control.radio.pilot.radio_pilot import RadioPilot
 from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_model.node.reply import Reply

@@ -4,15 +4,15 @@ from contextlib import ExitStack
 
 from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.crazyflies_file import Crazyflie, crazyflies_at, crazyflies_from_file
-from q2q_control.radio.firmware_params import firmware_params
+from q2q_control.radio.link.cflib_link import CflibLink
+from q2q_control.radio.link.firmware_params import firmware_params
+from q2q_control.radio.link.rpyt_scale import RpytScale
+from q2q_control.radio.link.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.pilot.radio_pilot import RadioPilot
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_params import RadioNodeParams
-from q2q_control.radio.rpyt_scale import RpytScale
-from q2q_control.radio.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
 from q2q_model.diagnostics.health import Health
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names, SwarmState

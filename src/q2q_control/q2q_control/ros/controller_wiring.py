@@ -13,7 +13,7 @@ from rclpy.node import Node
 from q2q_control.controller import Controller
 from q2q_control.crazyswarm.message_conversion import DEFAULT_BACKEND, legacy_twists
 from q2q_control.failsafe.fallback_params import FallbackParams
-from q2q_control.radio.rpyt_scale import RpytScale
+from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_model.ros.node.input_warnings import AbsentNames, warn_of_missing_names
 from q2q_model.ros.node.node_parameters import declare

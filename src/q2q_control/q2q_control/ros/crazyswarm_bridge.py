@@ -13,7 +13,7 @@ from q2q_control.crazyswarm.pose_topics import DEADLINE_NS, PoseNames, PoseReade
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
-from q2q_control.radio.rpyt_scale import RpytScale
+from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types

@@ -6,8 +6,8 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from q2q_control.crazyswarm.message_conversion import legacy_twists
-from q2q_control.radio.rpyt_scale import RpytScale
-from q2q_control.radio.setpoints import FullState, full_states
+from q2q_control.radio.link.rpyt_scale import RpytScale
+from q2q_control.radio.link.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_model.node.connections import conflicting_nodes
 from q2q_model.ros.node.publisher_conflicts import publishers_of

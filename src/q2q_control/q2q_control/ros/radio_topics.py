@@ -11,7 +11,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32, Header
 
-from q2q_control.radio.link import LinkHealth, OnboardPose
+from q2q_control.radio.link.vehicle_link import LinkHealth, OnboardPose
 from q2q_model.node.connections import conflicting_nodes
 from q2q_model.node.decimation import Decimation
 from q2q_model.ros.topics.messages import pose_message

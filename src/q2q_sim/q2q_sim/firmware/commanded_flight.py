@@ -7,7 +7,7 @@ of q2q_sim.firmware.controllers, at 500 Hz.
 
 import numpy as np
 
-from q2q_control.radio.rpyt_scale import RpytScale
+from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint

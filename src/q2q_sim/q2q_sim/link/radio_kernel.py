@@ -57,7 +57,7 @@ class OnboardReceivers(NamedTuple):
 def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
     """Write commands as vehicles read them in packets: integer PWM, and 32-bit floats in degrees.
 
-    The numbers are those of q2q_control.radio.rpyt_scale, which takes numpy's calls: ten times as long.
+    The numbers are those of q2q_control.radio.link.rpyt_scale, which takes numpy's calls: ten times as long.
 
     Args:
         values: commands, rows as the columns of `what`, (4, k).

@@ -14,7 +14,7 @@ from pkgutil import iter_modules
 from tempfile import TemporaryDirectory
 from types import ModuleType
 
-from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.link.vehicle_link import LinkHealth
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES

@@ -20,11 +20,11 @@ import numpy as np
 
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import VehicleLink
+from q2q_control.radio.link.setpoints import FullState, RpytSetpoint
+from q2q_control.radio.link.vehicle_link import VehicleLink
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.pilot.vehicle_pilot import PilotSetup, VehiclePilot
 from q2q_control.radio.pilot.vehicle_record import AIRBORNE, Phase
-from q2q_control.radio.setpoints import FullState, RpytSetpoint
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.node.reply import Reply

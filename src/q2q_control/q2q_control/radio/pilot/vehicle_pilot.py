@@ -31,10 +31,10 @@ import numpy as np
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import LinkHealth, VehicleLink
+from q2q_control.radio.link.setpoints import ZERO_RPYT, FullState, RpytSetpoint
+from q2q_control.radio.link.vehicle_link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.pilot.vehicle_record import AIRBORNE, ON_BOARD, Phase, VehicleRecord
-from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 
 OBEYED_IN = {
     Act.ARM: frozenset({Phase.READY}),

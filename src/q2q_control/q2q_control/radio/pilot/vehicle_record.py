@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import Enum
 from math import inf
 
-from q2q_control.radio.setpoints import FullState
+from q2q_control.radio.link.setpoints import FullState
 
 
 class Phase(Enum):

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.radio.firmware_params import POSE_STD
+from q2q_control.radio.link.firmware_params import POSE_STD
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.pose_ahead import extrapolate_pose

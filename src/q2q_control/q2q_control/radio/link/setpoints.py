@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
+from q2q_control.radio.link.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import (
     Array,

@@ -1,6 +1,6 @@
 """Link quality as the share of answered pings, for a driver that reports none (cflib's UDP driver).
 
-The link pings its vehicle ten times per second (q2q_control.radio.cflib_link).
+The link pings its vehicle ten times per second (q2q_control.radio.link.cflib_link).
 """
 
 import math

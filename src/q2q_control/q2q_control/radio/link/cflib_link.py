@@ -1,6 +1,6 @@
 """Link to a vehicle through cflib, at any URI it supports (radio://, udp://, usb://).
 
-Packets are sent by the thread of a mailbox (q2q_control.radio.mailbox).
+Packets are sent by the thread of a mailbox (q2q_control.radio.link.mailbox).
 """
 
 import math
@@ -10,12 +10,12 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
-from q2q_control.radio.cflib_library import new_crazyflie
-from q2q_control.radio.firmware_settings import FirmwareSettings
-from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
-from q2q_control.radio.mailbox import Mailbox
-from q2q_control.radio.ping_share import PingShare
-from q2q_control.radio.setpoints import FullState, RpytSetpoint
+from q2q_control.radio.link.cflib_library import new_crazyflie
+from q2q_control.radio.link.firmware_settings import FirmwareSettings
+from q2q_control.radio.link.mailbox import Mailbox
+from q2q_control.radio.link.ping_share import PingShare
+from q2q_control.radio.link.setpoints import FullState, RpytSetpoint
+from q2q_control.radio.link.vehicle_link import CflibSender, LinkHealth, OnboardPose
 from q2q_model.node.exclusive_use import claim
 from q2q_model.vehicle.vehicle_uri import resolved_uri
 

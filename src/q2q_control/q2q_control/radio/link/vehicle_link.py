@@ -1,7 +1,7 @@
 """Interface of the link to one vehicle, and sending through cflib's own objects.
 
 `CflibSender` holds the parts of cflib's Crazyflie that encode and send: those of a real link
-(q2q_control.radio.cflib_link) or, in tests, of one whose packets go to a simulated vehicle.
+(q2q_control.radio.link.cflib_link) or, in tests, of one whose packets go to a simulated vehicle.
 """
 
 import math
@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from q2q_control.radio.setpoints import FullState, RpytSetpoint
+from q2q_control.radio.link.setpoints import FullState, RpytSetpoint
 from q2q_model.vehicle.hover_thrust import OwnHover
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from q2q_control.radio.firmware_params import TableEntry, first_difference, required_with_app, unsettable
+from q2q_control.radio.link.firmware_params import TableEntry, first_difference, required_with_app, unsettable
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ class FirmwareSettings:
     """Parameters of one vehicle: required values, and those that it holds."""
 
     def __init__(self, param: "Param", required: Mapping[str, float]) -> None:
-        """Set `required` (q2q_control.radio.firmware_params) by cflib's parameters of a vehicle."""
+        """Set `required` (q2q_control.radio.link.firmware_params) by cflib's parameters of a vehicle."""
         self._param = param
         self._params = dict(required)
         self._required = dict(required)
