@@ -15,7 +15,6 @@ ALLOWED = {
     "q2q_control.flight_procedure": {"checks", "progress"},
     "q2q_control.mpc": {"prediction", "problem", "solver"},
     "q2q_planner.online.safe": {"choice"},
-    "q2q_sim.monitors.policies": {"exemptions"},
 }
 """Folders whose own modules are both the values that their subfolders work on and what calls these."""
 OWN = ""

@@ -71,7 +71,7 @@ QUESTIONS = (
     ("where is motion capture simulated?", "q2q_sim/sensors/vicon.py", "Vicon"),
     ("which faults are there?", "q2q_sim/faults/faults.py", "Fault"),
     ("where is the closed loop?", "q2q_sim/loop/closed_loop.py", "fly"),
-    ("where are the safety policies' limits?", "q2q_sim/monitors/policies/violations.py", "Limits"),
+    ("where are the safety policies' limits?", "q2q_sim/monitors/policies/inputs/limits.py", "Limits"),
 )
 """Question, file under src/PACKAGE, and the public class, function or constant that answers it."""
 MIXED_TUPLES = {

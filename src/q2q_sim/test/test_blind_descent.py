@@ -10,7 +10,7 @@ from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.floor import floor
-from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
+from q2q_sim.monitors.policies.inputs.trace_from_arrays import trace_from_arrays
 
 T = 0.01 * np.arange(1200, dtype=np.float64)
 SENT = np.full((len(T), 1, 3), [0.0, 0.0, 1.2])

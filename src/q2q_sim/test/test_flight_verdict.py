@@ -12,7 +12,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.flight_judgement import IN_FLIGHT, verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.policies import Circumstances, judge
-from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
+from q2q_sim.monitors.policies.inputs.trace_from_arrays import trace_from_arrays
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 

@@ -6,7 +6,7 @@ import pytest
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run, draw_run, fault_document
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.violations import Limits
+from q2q_sim.monitors.policies.inputs.limits import Limits
 
 NEAR = Limits().back
 LOST = Fault("dropout", 1.2, 2.4, ("cf2",), 0.0)

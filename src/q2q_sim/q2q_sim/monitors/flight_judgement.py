@@ -28,10 +28,10 @@ from q2q_model.signals.values import Mask
 from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.monitors.flight_verdict import Finding, FlightVerdict
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.floor import floor
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.trace_from_arrays import trace_from_arrays
 from q2q_sim.monitors.policies.separation import separation
-from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
 from q2q_sim.monitors.policies.tracking import setpoint_error
 from q2q_sim.monitors.recording_end import recorded_duration
 from q2q_sim.monitors.sent_down import sent_down

@@ -24,8 +24,8 @@ from q2q_model.signals.values import Array, CommandStatus
 from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.monitors.flight_verdict import Finding
 from q2q_sim.monitors.policies import Limits
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.floor import touches_floor
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands without feedback beyond HOLD, which is short and follows a measurement."""

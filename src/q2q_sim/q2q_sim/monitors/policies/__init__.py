@@ -22,9 +22,16 @@ A vehicle with too little thrust (thrust_exceeded), or flown blind in a downwash
 the second case nor by separation.
 """
 
-from q2q_sim.monitors.policies.flight_trace import FlightTrace, RecordedSignal, trace_in_lockstep, trace_of
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import (
+    FlightTrace,
+    RecordedSignal,
+    trace_in_lockstep,
+    trace_of,
+)
+from q2q_sim.monitors.policies.inputs.limits import Limits
 from q2q_sim.monitors.policies.judgement import NEEDS, POLICIES, judge, policies_without_evidence
-from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
+from q2q_sim.monitors.policies.violations import Violation
 
 __all__ = [
     "NEEDS",

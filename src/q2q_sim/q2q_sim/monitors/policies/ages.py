@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.policies.exemptions.sensor_errors import after_label_swap, with_doubtful_stamps
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation, worst_violations
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.limits import Limits
+from q2q_sim.monitors.policies.violations import Violation, worst_violations
 
 ROUNDING = 1e-6
 """Ages are differences of stamps [s]."""

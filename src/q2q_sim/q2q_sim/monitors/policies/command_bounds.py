@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.violations import Violation, worst_violations
 
 
 def thrust(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:

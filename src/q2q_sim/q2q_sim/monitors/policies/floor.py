@@ -8,8 +8,10 @@ from q2q_model.signals.values import Mask, Rows
 from q2q_sim.monitors.policies.exemptions.blind_descent import ends_blind_descent
 from q2q_sim.monitors.policies.exemptions.feedback_loss import sent_down_lately
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import exempt_lately
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.limits import Limits
+from q2q_sim.monitors.policies.violations import Violation
 
 
 def floor(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from q2q_sim.monitors.policies import ages, command_bounds, floor, separation, tracking
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances, Policy, Violation
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.violations import Policy, Violation
 
 POLICIES: Mapping[str, Policy] = {
     "separation": separation.separation,

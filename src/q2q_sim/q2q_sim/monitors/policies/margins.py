@@ -19,10 +19,12 @@ from itertools import combinations
 
 import numpy as np
 
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.limits import Limits
 from q2q_sim.monitors.policies.judgement import POLICIES
 from q2q_sim.monitors.policies.separation import clearances
-from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
+from q2q_sim.monitors.policies.violations import Violation
 
 MOST = {
     "setpoint_error": "setpoint_error_max",

@@ -13,8 +13,9 @@ from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import (
     exempt_lately,
     unpredicted_downwash_lately,
 )
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances, Violation
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.violations import Violation
 
 
 class _Worst(NamedTuple):

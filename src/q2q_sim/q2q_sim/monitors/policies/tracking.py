@@ -17,8 +17,9 @@ from q2q_sim.monitors.policies.exemptions.sensor_errors import (
     with_sensor_error,
 )
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import exempt_lately
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.violations import Violation, worst_violations
 
 
 def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import DOWN
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 SINKING_OVER = 0.1
 """Time up to t_d over which v_d is taken [s]: 2 mm of noise are 3 cm/s, and 2.5 cm of height to stop."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
 from q2q_model.signals.values import Array, CommandStatus, Mask
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 FALLBACKS = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
 """Commands without feedback of the position."""

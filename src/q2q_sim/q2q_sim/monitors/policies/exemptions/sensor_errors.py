@@ -6,7 +6,7 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""

@@ -16,8 +16,8 @@ from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 ROTORS = 4
 

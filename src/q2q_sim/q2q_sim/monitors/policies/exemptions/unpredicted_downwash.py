@@ -15,8 +15,8 @@ from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import beneath, within_settle_time, without_feedback
 from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement
 from q2q_sim.monitors.policies.exemptions.thrust_exceeded import thrust_exceeded
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.violations import Circumstances
+from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 PUSH = 0.1
 """Downwash that counts [m/s^2]: that at the edge of an identified zone, 5 cm after a second."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.metrics.flight_metrics import best_position
-from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 
 def trace_from_arrays(flight: Flight) -> FlightTrace:

@@ -1,7 +1,7 @@
 """Trace of a flight for the policies: its signals in arrays, tick by tick.
 
 Rows are ticks, with the stamps of `truth` if recorded, else of the first topic of the data flow that is
-(q2q_sim.monitors.policies.signal_tables).
+(q2q_sim.monitors.policies.inputs.signal_tables).
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,7 +17,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, MocapFrame, Names
 from q2q_sim.monitors.metrics.proximity import near_sample
-from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
+from q2q_sim.monitors.policies.inputs.signal_tables import SAME_TICK, Table, TickGrid, Topic
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
 """Topics that give ticks and names, in order of preference."""

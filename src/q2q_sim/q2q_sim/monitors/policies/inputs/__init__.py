@@ -1,0 +1,1 @@
+"""Inputs of the policies: the trace of a flight, its circumstances, and limits."""
