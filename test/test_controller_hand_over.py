@@ -12,8 +12,8 @@ from room_node import RoomNode
 
 from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC, reporter_name
 from q2q_control.flight_procedure.observation import VehicleReport
-from q2q_control.flight_procedure.piloted_flight import OrderExecutor
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.state_machine.piloted_flight import OrderExecutor
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
 from q2q_control.ros.procedure_services import ProcedureServices

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
-from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.state_machine.procedure import FlightProcedure
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array, Names

@@ -7,8 +7,8 @@ import pytest
 from resting_signals import resting_state
 
 from q2q_control.flight_procedure.observation import PlanOutline, VehicleReport
-from q2q_control.flight_procedure.piloted_flight import PilotedFlight
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.state_machine.piloted_flight import PilotedFlight
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState

@@ -4,7 +4,7 @@ import numpy as np
 from resting_signals import resting_setpoint
 
 from q2q_control.flight_procedure.flight_view import FlightView
-from q2q_control.flight_procedure.progress.setpoint_stream import SetpointStream
+from q2q_control.flight_procedure.state_machine.setpoint_stream import SetpointStream
 from q2q_model.signals.values import Array, Names, SwarmSetpoint
 
 PAIR = ("cf1", "cf2")

@@ -10,7 +10,7 @@
 | `all/emergency` | out, as a client | the procedure: stops all vehicles of the server |
 | `<name>/status`, `<name>/onboard`, the server's parameters | in | checks before a take-off |
 
-Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
+Vehicles fly by one procedure (q2q_control.flight_procedure.state_machine): `~/take_off`, `~/fly`, `~/hold`,
 `~/land`, `~/emergency`, each answered when it is done, or with the reason of a refusal; `procedure/status`
 has the step, and what cannot be checked as the server does not report it. Setpoints are sent only from the
 hand-over after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` forward a request to

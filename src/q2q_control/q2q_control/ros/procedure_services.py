@@ -14,8 +14,12 @@ from rclpy.node import Node
 
 from q2q_control.flight_procedure.hand_over import STATUS_TOPIC, reporter_name
 from q2q_control.flight_procedure.observation import plan_outline
-from q2q_control.flight_procedure.piloted_flight import OrderExecutor, PilotedFlight, ProcedureStatus
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.state_machine.piloted_flight import (
+    OrderExecutor,
+    PilotedFlight,
+    ProcedureStatus,
+)
 from q2q_control.flight_procedure.steps import Act, Call, Step
 from q2q_control.ros.trajectory_client import TrajectoryClient
 from q2q_model.node.reply import Reply

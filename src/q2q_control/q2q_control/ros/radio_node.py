@@ -5,7 +5,7 @@
 | command | `command`, `state` | roll, pitch, yaw rate, thrust |
 | setpoint | `reference_safe`, `state`, and `interference` if aware | full state with acc = acc_ref - eta |
 
-Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
+Vehicles fly by one procedure (q2q_control.flight_procedure.state_machine): `~/take_off`, `~/fly`, `~/hold`,
 `~/land`, `~/emergency` (motors off and locked; also as `~/stop` and, in setpoint mode, where no controller
 has it, as `all/emergency`). Each answers when it is done, or with the reason of a refusal; `procedure/status`
 has the step. `~/start` is for vehicles already held at their setpoints. q2q_control.radio.pilot.vehicle_pilot

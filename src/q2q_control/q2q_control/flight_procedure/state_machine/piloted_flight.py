@@ -11,8 +11,8 @@ from typing import Protocol
 
 from q2q_control.flight_procedure.flight_view import FlightView
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
-from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.state_machine.procedure import FlightProcedure
 from q2q_control.flight_procedure.steps import BEGINS_FLIGHT, ON_GROUND, Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmCommand, SwarmSetpoint, SwarmState

@@ -4,10 +4,10 @@ from q2q_control.flight_procedure.checks.flight_checks import apart_refusal
 from q2q_control.flight_procedure.checks.ground_check import GroundCheck
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_control.flight_procedure.progress.procedure_state import ProcedureState
-from q2q_control.flight_procedure.progress.setpoint_stream import SetpointStream
+from q2q_control.flight_procedure.state_machine.procedure_state import ProcedureState
+from q2q_control.flight_procedure.state_machine.setpoint_stream import SetpointStream
+from q2q_control.flight_procedure.state_machine.transitions import order_of
 from q2q_control.flight_procedure.steps import Act, Order, Step
-from q2q_control.flight_procedure.transitions import order_of
 
 
 class ActiveFlight:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from q2q_control.flight_procedure.checks.arrival import at_height, at_points, heights_text, setpoints_rest
 from q2q_control.flight_procedure.checks.flight_checks import setpoint_refusal
 from q2q_control.flight_procedure.observation import Observation
-from q2q_control.flight_procedure.progress.active_flight import ActiveFlight
+from q2q_control.flight_procedure.state_machine.active_flight import ActiveFlight
 from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Step
 
 HAND_OVER_S = 1.0

@@ -25,12 +25,12 @@ if vehicles overlap horizontally. A second `land` lands them where they are.
 from q2q_control.flight_procedure.checks.flight_checks import unchecked
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_control.flight_procedure.progress.active_flight import ActiveFlight
-from q2q_control.flight_procedure.progress.order_outcomes import conclude
-from q2q_control.flight_procedure.progress.procedure_state import ProcedureState
-from q2q_control.flight_procedure.progress.step_ends import end_step
+from q2q_control.flight_procedure.state_machine.active_flight import ActiveFlight
+from q2q_control.flight_procedure.state_machine.order_outcomes import conclude
+from q2q_control.flight_procedure.state_machine.procedure_state import ProcedureState
+from q2q_control.flight_procedure.state_machine.step_ends import end_step
+from q2q_control.flight_procedure.state_machine.transitions import ACTS_OF, check_refusal, step_refusal
 from q2q_control.flight_procedure.steps import FLYING, Act, Call, Step
-from q2q_control.flight_procedure.transitions import ACTS_OF, check_refusal, step_refusal
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array
 

@@ -2,7 +2,7 @@
 
 from q2q_control.flight_procedure.checks.arrival import heights_text
 from q2q_control.flight_procedure.observation import Observation
-from q2q_control.flight_procedure.progress.active_flight import ActiveFlight
+from q2q_control.flight_procedure.state_machine.active_flight import ActiveFlight
 from q2q_control.flight_procedure.steps import Act, Order, Step
 from q2q_model.node.reply import Reply
 
