@@ -13,9 +13,8 @@ from q2q_control.experiments.explicit.situations import random_situations
 from q2q_control.experiments.explicit.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver

@@ -16,14 +16,14 @@ import numpy as np
 from scipy.optimize import minimize
 
 from processor_time import least_time
-from q2q_control.mpc.axis_cost import AxisWeights
-from q2q_control.mpc.axis_model import axis_model
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
+from q2q_control.mpc.problem.axis_cost import AxisWeights
+from q2q_control.mpc.problem.axis_model import axis_model
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import Array

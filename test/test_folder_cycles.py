@@ -12,7 +12,6 @@ import pytest
 from fresh_checkout import ROOT
 
 ALLOWED = {
-    "q2q_control.mpc": {"prediction", "problem", "solver"},
     "q2q_planner.online.safe": {"choice"},
 }
 """Folders whose own modules are both the values that their subfolders work on and what calls these."""

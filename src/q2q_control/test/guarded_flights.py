@@ -7,7 +7,7 @@ from q2q_control.controller import Controller
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
 from q2q_control.mpc.mpc import Mpc
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.no_interaction import NoInteraction

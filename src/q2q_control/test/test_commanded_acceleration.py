@@ -8,7 +8,7 @@ from mpc_bench import DT, IDEAL, PAIR, Air, controller, first_tick, hover, pass_
 
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.downwash.interaction_model import PairMotion
 from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction

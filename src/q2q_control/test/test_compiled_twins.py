@@ -5,8 +5,6 @@ import pytest
 
 from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, correct_estimate
 from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
-from q2q_control.mpc.axis_cost import AxisWeights
-from q2q_control.mpc.axis_model import axis_model
 from q2q_control.mpc.prediction.downwash_horizon import (
     GradientRule,
     predict_downwash,
@@ -14,13 +12,14 @@ from q2q_control.mpc.prediction.downwash_horizon import (
 from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     DELTA,
     LEAST_DOWNWASH,
-    DownwashHorizon,
     Tracks,
     bounding_boxes,
     sum_downwash,
     within_reach,
 )
-from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.problem.axis_cost import AxisWeights
+from q2q_control.mpc.problem.axis_model import axis_model
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution
 from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_gains

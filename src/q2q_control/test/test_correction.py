@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from resting_signals import resting_setpoint, resting_state
 
-from q2q_control.mpc.axis_cost import AxisWeights
-from q2q_control.mpc.axis_model import axis_model, transition
 from q2q_control.mpc.correction import (
     CROSSING,
     DELAY_MARGIN,
@@ -16,7 +14,9 @@ from q2q_control.mpc.correction import (
     with_correction_bandwidth,
 )
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.axis_cost import AxisWeights
+from q2q_control.mpc.problem.axis_model import axis_model, transition
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor

@@ -24,13 +24,13 @@ from q2q_control.experiments.explicit.law import (
 )
 from q2q_control.experiments.explicit.situations import random_encounters, random_situations
 from q2q_control.experiments.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
-from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
-from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
+from q2q_control.mpc.problem.axis_model import axis_models
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import horizon_solver
 from q2q_control.mpc.solver.riccati import solve

@@ -13,7 +13,7 @@ from q2q_control.failsafe.guard import Guard
 from q2q_control.flight_procedure.hand_over import HandOver, HandOvers
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.mpc.mpc import Mpc
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.pid.gains_file import load_gains
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid

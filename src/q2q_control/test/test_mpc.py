@@ -8,10 +8,10 @@ from mpc_bench import DT, IDEAL, PAIR, Air, controller, first_tick, hover, pass_
 
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
-from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_model.downwash.interaction_model import pairs_at_rest

@@ -7,13 +7,12 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import lsq_linear, minimize
 
-from q2q_control.mpc.axis_cost import AxisWeights
-from q2q_control.mpc.axis_model import axis_model, axis_models, transition
-from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon, blank_solution
+from q2q_control.mpc.problem.axis_cost import AxisWeights
+from q2q_control.mpc.problem.axis_model import axis_model, axis_models, transition
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, blank_solution
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.signals.values import Array

@@ -12,7 +12,7 @@ from q2q_control.controller import Controller
 from q2q_control.crazyswarm.message_conversion import poses_of
 from q2q_control.flight_procedure.flight_view import FlightView
 from q2q_control.mpc.mpc import Mpc
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.mocap_filter import MocapFilter

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder

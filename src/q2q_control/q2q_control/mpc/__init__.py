@@ -1,1 +1,1 @@
-"""Model predictive control: prediction, the problem, its solver, and the commands of a tick."""
+"""Model predictive control: the problem, what is predicted for it, its solver, and the commands of a tick."""

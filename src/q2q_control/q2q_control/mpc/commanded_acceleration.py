@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.forecast import Forecast
 from q2q_control.mpc.prediction.previous_solution import PredictedSolution
 from q2q_control.mpc.problem.horizon import INTERRUPTED, Horizon, HorizonSolution
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.compiled import compiled
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array

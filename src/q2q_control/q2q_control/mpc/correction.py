@@ -2,7 +2,7 @@
 
 The residual fades along the horizon as its process does, d(s) = b + r exp(-s / T). What fades before thrust
 follows cannot be cancelled, but feedback removes its effect on height, with a bandwidth as large as delays
-allow. By the weights of q2q_control.mpc.axis_cost the open loop without lag is (sqrt 2 w s + w^2) /
+allow. By the weights of q2q_control.mpc.problem.axis_cost the open loop without lag is (sqrt 2 w s + w^2) /
 s^2: it crosses 1 at w (1 + sqrt 2)^(1/2) with a phase margin of 65.5 deg, which a delay of 0.736 / w uses up
 (delay margin: Skogestad, Postlethwaite, Multivariable Feedback Control, 2005, section 2.4). Latency and lag
 are in the model, so the margin is for their errors. With
@@ -41,7 +41,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import Array
 

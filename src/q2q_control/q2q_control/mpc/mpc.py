@@ -29,11 +29,9 @@ from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
-from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, with_correction_bandwidth
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.constant_velocity import Neighbours, at_constant_velocity
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule
 from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
@@ -45,8 +43,10 @@ from q2q_control.mpc.prediction.neighbours import (
     known_neighbours,
     usable_prediction,
 )
+from q2q_control.mpc.problem.axis_model import axis_models
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel

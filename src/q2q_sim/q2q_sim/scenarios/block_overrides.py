@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TypeVar
 
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.documents.numpy_values import without_numpy
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams

@@ -12,12 +12,11 @@ import numpy as np
 from q2q_control.attitude.thrust_vector import largest_thrust
 from q2q_control.experiments.explicit.features import STAGES, PairHorizon
 from q2q_control.experiments.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
-from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.mpc import SolverFactory
-from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
+from q2q_control.mpc.problem.axis_model import axis_models
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.problem.input_bounds import level_bounds
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_table, sweep_axes, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import InTime

@@ -12,13 +12,13 @@ import numpy as np
 
 from q2q_control.experiments.explicit.features import STAGES, PairHorizon
 from q2q_control.experiments.explicit.situations import Situations
-from q2q_control.mpc.axis_cost import AxisWeights
-from q2q_control.mpc.axis_model import AxisModel, axis_model
-from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA, DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA
+from q2q_control.mpc.problem.axis_cost import AxisWeights
+from q2q_control.mpc.problem.axis_model import AxisModel, axis_model
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon
 from q2q_control.mpc.problem.input_bounds import level_bounds
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled

@@ -29,7 +29,6 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.mpc.prediction.downwash_horizon_kernel import (
-    DownwashHorizon,
     Tracks,
     bounding_boxes,
     displaced_places,
@@ -37,6 +36,7 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     within_reach,
 )
 from q2q_control.mpc.prediction.jet_downwash import JetRule, sum_near_jets
+from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.downwash.interaction_model import (
     InteractionModel,
     PairMotion,

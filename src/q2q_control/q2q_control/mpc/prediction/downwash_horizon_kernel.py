@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.signals.values import Array, Mask, Rows
@@ -33,19 +34,6 @@ class Tracks(NamedTuple):
     """Factor on each source's downwash, (n, N): 1 for a visible vehicle that hovers."""
     first: int
     """Index of the horizon's first stage."""
-
-
-class DownwashHorizon(NamedTuple):
-    """Predicted downwash accelerations and their gradients."""
-
-    eta: Array
-    """[m/s^2], world, (n, N, 3)."""
-    i: Rows
-    """(p,)"""
-    j: Rows
-    """(p,)"""
-    gradient: Array
-    """[1/s^2], (p, N, 3, 3): row feels, column moves."""
 
 
 @compiled

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.constant_velocity import Neighbours
 from q2q_control.mpc.prediction.downwash_horizon import (
     GradientRule,
@@ -13,9 +12,10 @@ from q2q_control.mpc.prediction.downwash_horizon import (
     no_downwash,
     predict_downwash,
 )
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.prediction.previous_solution import PredictedSolution, PreviousSolution
 from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
+from q2q_control.mpc.problem.horizon import DownwashHorizon
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.source_strength import source_terms
 from q2q_model.signals.values import (

@@ -10,8 +10,8 @@ import numpy as np
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
-from q2q_control.mpc.axis_model import axis_lags, lagged_step
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.axis_model import axis_lags, lagged_step
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.compiled import compiled
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import Array, SwarmCommand, SwarmImu

@@ -11,12 +11,12 @@ import numpy as np
 
 from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     DELTA,
-    DownwashHorizon,
     Tracks,
     add_pair,
     is_strong,
     within_reach,
 )
+from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.downwash.sweep_and_prune import OrderedPairs

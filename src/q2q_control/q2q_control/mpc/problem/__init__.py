@@ -1,1 +1,1 @@
-"""The horizon's linear-quadratic problem: build only."""
+"""The horizon's linear-quadratic problem: parameters, axis models, cost, bounds and downwash; build only."""

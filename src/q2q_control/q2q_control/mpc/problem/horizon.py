@@ -1,6 +1,6 @@
-"""Problem of one tick and its solution: all vehicles, all axes, all stages.
+"""Problem of one tick, its downwash and its solution: all vehicles, all axes, all stages.
 
-Both are NamedTuples, which compiled code can take.
+All are NamedTuples, which compiled code can take.
 """
 
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 
 INTERRUPTED, SOLVED = 0, 1
 """Status of a vehicle's solution: out of time or not finite; optimal, or feasible though not optimal."""
@@ -31,6 +31,19 @@ class Horizon(NamedTuple):
     """Largest input of each axis at each stage [m/s^2], (n, N, 3)."""
     slew_max: Array
     """Largest difference of input and acceleration [m/s^2], (3,)."""
+
+
+class DownwashHorizon(NamedTuple):
+    """Predicted downwash accelerations and their gradients."""
+
+    eta: Array
+    """[m/s^2], world, (n, N, 3)."""
+    i: Rows
+    """(p,)"""
+    j: Rows
+    """(p,)"""
+    gradient: Array
+    """[1/s^2], (p, N, 3, 3): row feels, column moves."""
 
 
 class HorizonSolution(NamedTuple):

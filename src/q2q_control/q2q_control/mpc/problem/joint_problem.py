@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.axis_model import AxisModels
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.axis_model import AxisModels
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon
 from q2q_control.mpc.problem.lq_problem import LqProblem
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Rows

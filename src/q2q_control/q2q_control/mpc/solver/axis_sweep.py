@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.axis_model import AxisModel
+from q2q_control.mpc.problem.axis_model import AxisModel
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution
 from q2q_control.mpc.problem.joint_problem import GroupShape, joint_problem
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.riccati import solve_from

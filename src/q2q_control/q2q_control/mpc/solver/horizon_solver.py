@@ -12,11 +12,16 @@ from typing import Protocol
 
 import numpy as np
 
-from q2q_control.mpc.axis_model import AxisModels, axis_models
-from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
-from q2q_control.mpc.problem.horizon import INTERRUPTED, Horizon, HorizonSolution, blank_solution
+from q2q_control.mpc.problem.axis_model import AxisModels, axis_models
+from q2q_control.mpc.problem.horizon import (
+    INTERRUPTED,
+    DownwashHorizon,
+    Horizon,
+    HorizonSolution,
+    blank_solution,
+)
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import gains_of_table, gains_table, sweep_axes, sweep_gains
 from q2q_control.mpc.solver.group_solve import Group, solve_group

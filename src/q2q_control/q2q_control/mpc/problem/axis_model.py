@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.axis_cost import AxisCost, AxisWeights, axis_cost
-from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.axis_cost import AxisCost, AxisWeights, axis_cost
+from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle

@@ -14,7 +14,7 @@ Rawlings, IEEE Trans. Automat. Contr. 43, 1998).
 |---|---|---|
 | p u | | position [m], commanded acceleration [m/s^2] |
 | w | bandwidth | [rad/s] |
-| T | lag | of the axis (q2q_control.mpc.axis_model) [s] |
+| T | lag | of the axis (q2q_control.mpc.problem.axis_model) [s] |
 """
 
 from dataclasses import dataclass
