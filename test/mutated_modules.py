@@ -91,15 +91,15 @@ MUTATED = (
             for name in (
                 "safe.safe_replanner",
                 "last_known_states",
-                "safe.committed_motion",
-                "safe.followed_reference",
-                "safe.motion_propagation",
+                "safe.motion.committed_motion",
+                "safe.motion.followed_reference",
+                "safe.motion.motion_propagation",
                 "safe.choice.decision",
                 "safe.tracking_uncertainty",
                 "safe.lost_vehicles",
                 "safe.nonfinite_setpoints",
-                "safe.traffic",
-                "safe.desired_motion",
+                "safe.motion.traffic",
+                "safe.choice.desired_motion",
             )
         ),
         tuple(

@@ -7,10 +7,15 @@ import pytest
 from resting_signals import resting_setpoint
 
 from q2q_model.signals.values import Names, SwarmSetpoint
-from q2q_planner.online.safe.committed_motion import CommittedMotion
-from q2q_planner.online.safe.followed_reference import follow_bounds, followed_rows, near_rows, reference_rows
-from q2q_planner.online.safe.motion_propagation import at_reference, propagate
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.committed_motion import CommittedMotion
+from q2q_planner.online.safe.motion.followed_reference import (
+    follow_bounds,
+    followed_rows,
+    near_rows,
+    reference_rows,
+)
+from q2q_planner.online.safe.motion.motion_propagation import at_reference, propagate
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(acc_max=2.0, jerk_max=20.0, speed_max=2.5, hold=0.04)
 

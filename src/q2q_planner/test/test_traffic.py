@@ -9,11 +9,11 @@ from traffic_bench import ON, PARAMS, held, setpoint, state
 from q2q_model.signals.values import SwarmSetpoint
 from q2q_planner.online.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.replanner import LONGEST_GAP
-from q2q_planner.online.safe.committed_motion import MotionRows, still_flown
-from q2q_planner.online.safe.followed_reference import SNAP_POS, SNAP_VEL, near_rows, reference_rows
-from q2q_planner.online.safe.motion_propagation import propagate
+from q2q_planner.online.safe.motion.committed_motion import MotionRows, still_flown
+from q2q_planner.online.safe.motion.followed_reference import SNAP_POS, SNAP_VEL, near_rows, reference_rows
+from q2q_planner.online.safe.motion.motion_propagation import propagate
+from q2q_planner.online.safe.motion.traffic import TrafficTable, limits_of, traffic_at
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
-from q2q_planner.online.safe.traffic import TrafficTable, limits_of, traffic_at
 
 
 def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> None:

@@ -18,8 +18,8 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of, rows_by_name
 from q2q_planner.online.finite_setpoints import nonfinite_rows
-from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows
-from q2q_planner.online.safe.followed_reference import ReferenceRows
+from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
+from q2q_planner.online.safe.motion.followed_reference import ReferenceRows
 
 
 @dataclass(frozen=True, slots=True)

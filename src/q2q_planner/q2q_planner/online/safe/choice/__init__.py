@@ -1,1 +1,1 @@
-"""Choice of a motion for every vehicle: candidates, the proven choice, and what is then committed."""
+"""Choice of a motion for every vehicle: the desired one, candidates, the proven choice, what is committed."""

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_planner.online.safe.committed_motion import MotionRows
-from q2q_planner.online.safe.desired_motion import DesiredMotion
+from q2q_planner.online.safe.choice.desired_motion import DesiredMotion
+from q2q_planner.online.safe.motion.committed_motion import MotionRows
+from q2q_planner.online.safe.motion.traffic import TrafficRows
 from q2q_planner.online.safe.stopping.braking import Motions
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
-from q2q_planner.online.safe.traffic import TrafficRows
 
 
 class PairedTraffic(NamedTuple):

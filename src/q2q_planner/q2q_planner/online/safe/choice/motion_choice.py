@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Mask, Rows
 from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic, new_motions, old_motions
-from q2q_planner.online.safe.committed_motion import MotionRows
-from q2q_planner.online.safe.desired_motion import DesiredMotion
+from q2q_planner.online.safe.choice.desired_motion import DesiredMotion
+from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, with_stops

@@ -4,9 +4,14 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, SwarmSetpoint, rows_by_name
-from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows
-from q2q_planner.online.safe.followed_reference import ROUNDING, follow_bounds, followed_rows, reference_rows
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
+from q2q_planner.online.safe.motion.followed_reference import (
+    ROUNDING,
+    follow_bounds,
+    followed_rows,
+    reference_rows,
+)
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_limited_motion_after
 
