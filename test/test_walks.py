@@ -56,6 +56,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/bag/storage/source.py",
     "q2q_model/downwash/interaction_model.py",
     "q2q_model/downwash/no_interaction.py",
+    "q2q_model/documents/read_text.py",
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
     "q2q_model/documents/checksummed_json.py",
