@@ -6,16 +6,16 @@ Finished searches and scores are kept in files of JSON lines, from which an inte
 import json
 from argparse import Namespace
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 from rich.console import Console
 from rich.table import Table
 
 from q2q_model.documents.json_file import write_json
+from q2q_model.documents.plain_values import from_plain
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 from q2q_sim.experiments.falsification.bug_score import BugScore, score_bugs, unscored
@@ -31,7 +31,6 @@ from q2q_sim.experiments.falsification.search_record import (
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.experiments.resume_log import exclusive_log, read_entries
 
-Entry = TypeVar("Entry", SearchRecord, BugScore)
 SEARCHES = "searches.jsonl"
 """File of finished searches."""
 
@@ -124,7 +123,7 @@ def _searches(args: Namespace) -> Iterator[SearchRecord]:
     lengths = {args.seed + k: min(LENGTH, args.runs - k * LENGTH) for k in range(-(-args.runs // LENGTH))}
     done = {
         one.seed: one
-        for one in _read(log, SearchRecord)
+        for one in read_entries(log, lambda document: from_plain(SearchRecord, document, ""))
         if (one.air, one.search) == (args.air, SEARCH) and lengths.get(one.seed) == one.length
     }
     yield from done.values()
@@ -144,7 +143,7 @@ def _scores(args: Namespace) -> Iterator[BugScore]:
     if not args.bug_runs:
         return
     log, wanted = args.out / "seeded_bugs.jsonl", (args.bug_runs, args.seed, args.air, SEARCH)
-    found = _read(log, BugScore)
+    found = read_entries(log, lambda document: from_plain(BugScore, document, ""))
     done = {one.bug: one for one in found if (one.runs, one.seed, one.air, one.search) == wanted}
     left = [number for number, bug in enumerate(SEEDED_BUGS) if bug.name not in done]
     work = partial(score_bugs, runs=args.bug_runs, seed=args.seed, air=args.air)
@@ -152,18 +151,6 @@ def _scores(args: Namespace) -> Iterator[BugScore]:
         _append(log, one)
         done[one.bug] = one
     yield from (done[bug.name] for bug in SEEDED_BUGS)
-
-
-def _read(log: Path, kind: Callable[..., Entry]) -> list[Entry]:
-    """Return the entries of a file of finished work."""
-
-    def entry(document: Mapping[str, object]) -> Entry:
-        try:
-            return kind(**document)
-        except TypeError as wrong:
-            raise ValueError(str(wrong)) from wrong
-
-    return read_entries(log, entry)
 
 
 def _append(log: Path, entry: SearchRecord | BugScore) -> None:

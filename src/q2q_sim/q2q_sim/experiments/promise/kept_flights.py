@@ -1,7 +1,7 @@
 """Finished flights in a file of JSON lines, from which an interrupted series resumes."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,7 +31,8 @@ def resume_flights(
         ValueError: the file has other content, or flights of another case, or is in use.
     """
     with exclusive_log(file) as log:
-        kept = {one.record.seed: one for one in read_entries(file, _from_document)}
+        entries = read_entries(file, lambda document: from_plain(KeptFlight, document, ""))
+        kept = {one.record.seed: one for one in entries}
         if any(one.case != case for one in kept.values()):
             raise ValueError(f"{file} holds flights of another tube, controller or air: name another --keep")
         yield from (kept[seed].record for seed in seeds if seed in kept)
@@ -39,7 +40,3 @@ def resume_flights(
             log.write(json.dumps(to_plain(KeptFlight(case, record))) + "\n")
             log.flush()
             yield record
-
-
-def _from_document(document: Mapping[str, object]) -> KeptFlight:
-    return from_plain(KeptFlight, document, "")
