@@ -18,10 +18,12 @@ from typing import BinaryIO
 import yaml
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, ChunkIndex, Schema
+from mcap.records import Channel as ChannelRecord
+from mcap.records import Chunk, ChunkIndex, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
 from q2q_model.bag.storage.latched import channel_is_latched
+from q2q_model.bag.storage.source import Channel
 
 NEWEST = 9
 """Newest supported version of metadata.yaml."""
@@ -44,22 +46,11 @@ class DamagedIndexError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class IndexedChannel:
-    """One channel of a file."""
-
-    topic: str
-    type_name: str
-    definition: str
-    count: int
-    latched: bool
-
-
-@dataclass(frozen=True, slots=True)
 class IndexedFile:
     """Contents of a file and their offsets."""
 
     path: Path
-    channels: Mapping[int, IndexedChannel]
+    channels: Mapping[int, Channel]
     chunks: tuple[ChunkIndex, ...]
     """In the order of their first message."""
 
@@ -143,12 +134,11 @@ def _index(file: Path) -> IndexedFile:
     )
 
 
-def _channel(channel: Channel, schema: Schema | None, count: int) -> IndexedChannel:
+def _channel(channel: ChannelRecord, schema: Schema | None, count: int) -> Channel:
     if schema is None or channel.message_encoding != "cdr":
         raise NotIndexedError(f"{channel.topic} is not CDR of a known type")
     definition = schema.data.decode() if schema.encoding else ""
-    latched = channel_is_latched(channel.metadata)
-    return IndexedChannel(channel.topic, schema.name, definition, count, latched)
+    return Channel(channel.topic, schema.name, definition, count, channel_is_latched(channel.metadata))
 
 
 def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:

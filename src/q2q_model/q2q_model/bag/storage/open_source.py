@@ -76,10 +76,7 @@ def _regular(bag: Path, parts: Sequence[Path], repairs: tuple[str, ...] = ()) ->
 
 
 def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> Source:
-    found = (one for file in files for one in file.channels.values())
-    channels = _by_topic(
-        Channel(one.topic, one.type_name, one.definition, one.count, one.latched) for one in found
-    )
+    channels = _by_topic(one for file in files for one in file.channels.values())
 
     def read(topics: Collection[str]) -> Iterator[RawMessage]:
         done = 0
@@ -154,11 +151,12 @@ def _salvaged(bag: Path, why: str) -> Source:
     channels = tuple(
         Channel(*key, definitions[key[0]], count, key[0] in latched) for key, count in counts.items()
     )
-    raw = [RawMessage(found.topic, found.stamp_ns, found.data, found.type_name) for found in messages]
     repairs = (
-        f"bag {bag}: {why}; recovered {counted(len(raw), 'message')}",
+        f"bag {bag}: {why}; recovered {counted(len(messages), 'message')}",
         *(loss for one in recovered for loss in one.losses),
     )
-    return Source(
-        bag, channels, lambda topics: (found for found in raw if found.topic in topics), repairs, is_cut=True
-    )
+
+    def read(topics: Collection[str]) -> Iterator[RawMessage]:
+        return (found for found in messages if found.topic in topics)
+
+    return Source(bag, channels, read, repairs, is_cut=True)

@@ -11,25 +11,16 @@ from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from q2q_model.bag.storage.latched import channel_is_latched
+from q2q_model.bag.storage.source import RawMessage
 from q2q_model.counted import counted
 from q2q_model.signals.stamps import time_from_stamp
-
-
-@dataclass(frozen=True, slots=True)
-class RecoveredMessage:
-    """Recovered message."""
-
-    topic: str
-    type_name: str
-    stamp_ns: int
-    data: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class Salvage:
     """Recovered contents of a damaged file."""
 
-    messages: tuple[RecoveredMessage, ...]
+    messages: tuple[RawMessage, ...]
     definitions: dict[str, str]
     """Topic -> message definition."""
     latched: frozenset[str]
@@ -43,7 +34,7 @@ class _Collector:
     def __init__(self) -> None:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
-        self.messages: list[RecoveredMessage] = []
+        self.messages: list[RawMessage] = []
         self.definitions: dict[str, str] = {}
         self.orphans = 0
 
@@ -58,9 +49,7 @@ class _Collector:
             if channel is None or schema is None:
                 self.orphans += 1
             else:
-                self.messages.append(
-                    RecoveredMessage(channel.topic, schema.name, record.log_time, record.data)
-                )
+                self.messages.append(RawMessage(channel.topic, record.log_time, record.data, schema.name))
                 self.definitions[channel.topic] = schema.data.decode(errors="replace")
 
 
