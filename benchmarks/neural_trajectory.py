@@ -63,8 +63,6 @@ class NeuralPlan:
     """(18), by the trapezoidal sum."""
     waypoint_error: float
     """Largest violation of a waypoint [m]."""
-    derivative_error: float
-    """Largest derivative 1..3 at a waypoint, over T^-p [m]."""
     zone_error: float
     """Largest violation of the zone on the grid, as a share of its squared size."""
     iterations: int
@@ -77,12 +75,10 @@ class _OutOfTimeError(Exception):
     """End SLSQP from its callback."""
 
 
-def plan_neural(
-    swarm: Sequence[VehicleWaypoints], zone: Cylinder | None, longest: float, seed: int = 0
-) -> NeuralPlan:
+def plan_neural(swarm: Sequence[VehicleWaypoints], zone: Cylinder | None, longest: float) -> NeuralPlan:
     """Return the least violating point that SLSQP reaches in `longest` seconds of processor time."""
     problem = _Problem(swarm, zone)
-    begun, passed, converged = process_time(), [problem.start(np.random.default_rng(seed))], False
+    begun, passed, converged = process_time(), [problem.start(np.random.default_rng(0))], False
 
     def watch(x: Array) -> None:
         passed.append(x.copy())
@@ -179,7 +175,6 @@ class _Problem:
         return NeuralPlan(
             cost=self.cost(x) / self.unit,
             waypoint_error=max(float(np.abs(part[0]).max()) for part in pins),
-            derivative_error=max(float(np.abs(part[1:] / BALANCE[1:, None, None]).max()) for part in pins),
             zone_error=max(0.0, -float(self.outside(x).min())) if self.zone else 0.0,
             iterations=iterations,
             converged=converged,

@@ -47,14 +47,12 @@ class Encounter:
     """Share of lost messages."""
 
 
-def random_encounter(
-    generator: np.random.Generator, fewest: int = 2, most: int = 10, clear_by: float = APART
-) -> Encounter:
-    """Return an encounter of `fewest` to `most` vehicles at up to about 2 m/s; half of them apart.
+def random_encounter(generator: np.random.Generator, most: int = 10, clear_by: float = APART) -> Encounter:
+    """Return an encounter of 2 to `most` vehicles at up to about 2 m/s; half of them apart.
 
     Most start and end at least `clear_by` [m] apart horizontally.
     """
-    n = int(generator.integers(fewest, most + 1))
+    n = int(generator.integers(2, most + 1))
     shape = SHAPES[generator.integers(len(SHAPES))]
     end, side = generator.uniform(3.0, 5.0), generator.uniform(1.5, 2.0 + 0.2 * n)
     points = _mostly_clear_points(generator, shape, n, side, clear_by)

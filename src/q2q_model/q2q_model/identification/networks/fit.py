@@ -30,6 +30,8 @@ STEEP = 3.0
 """Standard deviation of the random hidden weights [1/m]: a unit saturates within a third of a metre."""
 BETA1, BETA2, TINY = 0.9, 0.999, 1e-8
 """Adam's default parameters (Kingma, Ba, 2015)."""
+RATE = 1e-4
+"""Adam's step size, Table 4."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +84,7 @@ def ridge_start(terms: Sequence[FlightTerms], params: NetworkFitParams) -> Envel
     return unpack(_with_outputs(theta, best), zone.eps, zone.d)
 
 
-def adam(
-    terms: Sequence[FlightTerms], start: EnvelopeNetwork, rate: float = 1e-4
-) -> Iterator[tuple[EnvelopeNetwork, float]]:
+def adam(terms: Sequence[FlightTerms], start: EnvelopeNetwork) -> Iterator[tuple[EnvelopeNetwork, float]]:
     """Yield the networks before each of Adam's steps, with their loss (16), endlessly."""
     theta, first, second = pack(start), np.zeros(1), np.zeros(1)
     step, near, before = 0, None, None
@@ -98,7 +98,7 @@ def adam(
         first = BETA1 * first + (1.0 - BETA1) * value.gradient
         second = BETA2 * second + (1.0 - BETA2) * value.gradient**2
         mean, scale = first / (1.0 - BETA1**step), np.sqrt(second / (1.0 - BETA2**step))
-        theta = theta - rate * mean / (scale + TINY)
+        theta = theta - RATE * mean / (scale + TINY)
 
 
 def _ahead(before: Sequence[Array], now: Sequence[Array]) -> tuple[Array, ...]:

@@ -18,11 +18,10 @@ import torch
 from q2q_model.downwash.envelope_network import HIDDEN, EnvelopeNetwork
 from q2q_model.downwash.roles import BLEND
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.networks.fit import RATE
 from q2q_model.identification.networks.gradient import ONE, pack
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
-RATE = 1e-4
-"""Adam's step size, Table 4."""
 RTOL, ATOL = 1e-5, 1e-7
 """Tolerances of the solver; the paper gives none. ATOL in m and m/s."""
 SAFETY, SHRINK, GROW = 0.9, 0.2, 5.0

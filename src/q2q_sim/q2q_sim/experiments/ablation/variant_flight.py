@@ -43,7 +43,6 @@ class VariantFlight:
     models: tuple[LearnedModel, ...]
     air: FlownAir
     draws: int
-    seed: int = SEED
 
 
 def fly_variant(asked: VariantFlight) -> Array:
@@ -55,7 +54,7 @@ def fly_variant(asked: VariantFlight) -> Array:
     group = places // len(apart) % len(asked.models)
     if asked.variant in ONBOARD:
         models = [asked.models[k] for k in group]
-        trace = fly_on_board(scenario, models, asked.air, asked.seed, apps=ONBOARD[asked.variant])
+        trace = fly_on_board(scenario, models, asked.air, SEED, apps=ONBOARD[asked.variant])
         return draw_columns(trace, each)
     inputs = [
         VariantInputs(
@@ -78,7 +77,7 @@ def fly_groups(
         blocks_of(scenario, BlockChoices(), NoInteraction()), controller=control, sense=control.sense
     )
     mode: Mode = "aware" if variant.aware else "ignoring"
-    flight = fly_blocks(scenario, shared, LoopSettings(mode, asked.seed, asked.air))
+    flight = fly_blocks(scenario, shared, LoopSettings(mode, SEED, asked.air))
     return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2])
 
 
