@@ -61,20 +61,14 @@ class _Inputs:
 def train(
     records: Sequence[AltitudeRecord], loop: AltitudeLoop, start: EnvelopeNetwork
 ) -> Iterator[tuple[torch.Tensor, float]]:
-    """Yield theta before each of Adam's steps, with its loss (16) [m^2], endlessly.
-
-    The loss is the mean over flights of the sum over vehicles of the mean square error.
-    """
+    """Yield theta before each of Adam's steps, with its loss (16) [m^2], endlessly."""
     torch.set_num_threads(1)
     flights = [_inputs(record, loop) for record in records]
     theta = torch.tensor(pack(start), dtype=torch.float64, requires_grad=True)
     optimiser = torch.optim.Adam([theta], lr=RATE)
     while True:
         optimiser.zero_grad()
-        loss = sum(
-            (((_simulate(one, loop, theta, start) - one.z) ** 2).mean(dim=0).sum() for one in flights),
-            start=torch.zeros((), dtype=torch.float64),
-        ) / len(flights)
+        loss = _loss(flights, loop, theta, start)
         loss.backward()
         yield theta.detach().clone(), float(loss.detach())
         optimiser.step()
@@ -85,11 +79,17 @@ def loss_and_gradient(
 ) -> tuple[float, torch.Tensor]:
     """Return the loss and its gradient with respect to theta, through the solver."""
     theta = torch.tensor(pack(model), dtype=torch.float64, requires_grad=True)
-    flights = [_inputs(record, loop) for record in records]
-    parts = [((_simulate(one, loop, theta, model) - one.z) ** 2).mean(dim=0).sum() for one in flights]
-    loss = torch.stack(parts).mean()
+    loss = _loss([_inputs(record, loop) for record in records], loop, theta, model)
     (gradient,) = torch.autograd.grad(loss, theta)
     return float(loss.detach()), gradient
+
+
+def _loss(
+    flights: Sequence[_Inputs], loop: AltitudeLoop, theta: torch.Tensor, shape: EnvelopeNetwork
+) -> torch.Tensor:
+    """Return the mean over flights of the sum over vehicles of the mean square error [m^2]."""
+    parts = [((_simulate(one, loop, theta, shape) - one.z) ** 2).mean(dim=0).sum() for one in flights]
+    return torch.stack(parts).mean()
 
 
 def _inputs(record: AltitudeRecord, loop: AltitudeLoop) -> _Inputs:
