@@ -17,7 +17,6 @@ from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
     check_ellipsoid_collisions,
     poisson_disk_sample,
 )
-from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import (
     GRAVITY,
     Polynomial4D,
@@ -50,14 +49,12 @@ def requested(packet: Packet) -> Setpoint:
 
 
 def test_a_full_state_reaches_the_firmware_with_the_numbers_given():
-    state = FullStateArguments(
-        (1.234, -0.567, 0.891), (0.5, -1.5, 0.25), (2.5, -3.25, 9.0), 0.6, (0.1, -0.2, 1.5)
-    )
-    one = requested(server_packets.full_state(state))
-    assert one.pos == pytest.approx(state.pos, abs=MM)
-    assert one.vel == pytest.approx(state.vel, abs=MM)
-    assert one.acc == pytest.approx(state.acc, abs=MM)
-    assert np.radians(one.rate_deg) == pytest.approx(state.omega, abs=MM)
+    pos, vel, acc, omega = (1.234, -0.567, 0.891), (0.5, -1.5, 0.25), (2.5, -3.25, 9.0), (0.1, -0.2, 1.5)
+    one = requested(server_packets.full_state(pos, vel, acc, 0.6, omega))
+    assert one.pos == pytest.approx(pos, abs=MM)
+    assert one.vel == pytest.approx(vel, abs=MM)
+    assert one.acc == pytest.approx(acc, abs=MM)
+    assert np.radians(one.rate_deg) == pytest.approx(omega, abs=MM)
     assert (one.x, one.y, one.z, one.quat) == (Mode.ABS,) * 4
     about_x = (math.sin(0.3), 0.0, 0.0, math.cos(0.3))  # rowan.from_euler(0, 0, 0.6)
     assert one.attitude_quat == pytest.approx(about_x, abs=QUAT_PART)
@@ -262,7 +259,7 @@ def test_the_words_of_a_setpoint_name_a_yaw_and_a_yaw_rate_that_are_not_zero():
         (server_packets.hover(0.0, 0.0, 0.0, 0.7), "vx 0.00 m/s, vy 0.00 m/s, z 0.70 m"),
         (server_packets.position((0.1, -0.2, 0.3), 45.0), "x 0.10 m, y -0.20 m, z 0.30 m, yaw 45 deg"),
         (
-            server_packets.full_state(FullStateArguments(*at_rest, 0.0, (1.0, 0.0, -7.0))),
+            server_packets.full_state(*at_rest, 0.0, (1.0, 0.0, -7.0)),
             "x 0.10 m, y 0.00 m, z 0.50 m, yaw rate -401 deg/s",
         ),
         (right, "thrust 0, roll 1.0 and pitch 0.0 deg, yaw rate -450 deg/s"),  # the thrust is locked

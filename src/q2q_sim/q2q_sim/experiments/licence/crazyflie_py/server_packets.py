@@ -18,7 +18,6 @@ vehicle does not turn.
 import math
 import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -45,22 +44,6 @@ FULL_STATE, POSITION, HOVER = 6, 7, 5
 WRITE_BYTES = 24
 """Bytes of one packet that writes into the memory."""
 _INT16 = TYPES["int16"]
-
-
-@dataclass(frozen=True, slots=True)
-class FullStateArguments:
-    """Arguments of cmdFullState."""
-
-    pos: Three
-    """[m], world."""
-    vel: Three
-    """[m/s], world."""
-    acc: Three
-    """[m/s^2], world."""
-    yaw: float
-    """[rad]"""
-    omega: Three
-    """[rad/s], body."""
 
 
 def vertical(command: int, height: float, duration: float, mask: int) -> Packet:
@@ -98,12 +81,12 @@ def upload(number: int, offset: int, pieces: Sequence[tuple[float, Array]]) -> I
     yield _high_level(struct.pack("<BBBBIB", DEFINE, number, *where))
 
 
-def full_state(one: FullStateArguments) -> Packet:
-    """Return a full-state setpoint."""
-    half = 0.5 * one.yaw
+def full_state(pos: Three, vel: Three, acc: Three, yaw: float, omega: Three) -> Packet:
+    """Return a full-state setpoint: [m], [m/s], [m/s^2], world; [rad]; [rad/s], body."""
+    half = 0.5 * yaw
     quat = compress_quat((math.sin(half), 0.0, 0.0, math.cos(half)))
-    numbers = b"".join(map(_milli, (*one.pos, *one.vel, *one.acc)))
-    rates = b"".join(map(_milli, one.omega))
+    numbers = b"".join(map(_milli, (*pos, *vel, *acc)))
+    rates = b"".join(map(_milli, omega))
     return _setpoint(FULL_STATE, numbers + struct.pack("<I", quat) + rates)
 
 

@@ -15,11 +15,11 @@ from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.vehicle_calls import (
-    BYTE,
     MASK,
     CrazyflieCalls,
     Points,
     full_state_packet,
+    start_packet,
     vertical_packet,
 )
 from q2q_sim.firmware.parameters.parameter_table import TABLE
@@ -70,14 +70,7 @@ class CrazyflieServer(Absence):
     ) -> None:
         """Fly an uploaded trajectory from the present position: broadcasts are always relative."""
         flag(relative, "startTrajectory: relative")
-        packet = server_packets.start(
-            whole(trajectoryId, "startTrajectory: trajectoryId", BYTE),
-            real(timescale, "startTrajectory: timescale"),
-            backwards=flag(reverse, "startTrajectory: reverse"),
-            relative=True,
-            mask=whole(groupMask, "startTrajectory: groupMask", MASK),
-        )
-        self._links.broadcast(packet)
+        self._links.broadcast(start_packet(trajectoryId, timescale, reverse, groupMask, relative=True))
 
     def arm(self, arm: bool = True) -> None:
         """Arm or disarm all."""

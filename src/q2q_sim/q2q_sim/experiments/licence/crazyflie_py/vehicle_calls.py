@@ -20,7 +20,6 @@ from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
 from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport, report_in_packet
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
-from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import UavTrajectory, pieces_of
 from q2q_sim.experiments.licence.program.patched_time import EPOCH
 from q2q_sim.firmware.parameters.parameter_table import TABLE
@@ -108,13 +107,7 @@ class CrazyflieCalls(Absence):
         groupMask: int = 0,
     ) -> None:
         """Fly an uploaded trajectory, at `timescale` times its durations."""
-        packet = server_packets.start(
-            whole(trajectoryId, "startTrajectory: trajectoryId", BYTE),
-            real(timescale, "startTrajectory: timescale"),
-            backwards=flag(reverse, "startTrajectory: reverse"),
-            relative=flag(relative, "startTrajectory: relative"),
-            mask=whole(groupMask, "startTrajectory: groupMask", MASK),
-        )
+        packet = start_packet(trajectoryId, timescale, reverse, groupMask, relative=relative)
         self._links.send(self._number, packet)
 
     def notifySetpointsStop(self, remainValidMillisecs: int = 100, groupMask: int = 0) -> None:
@@ -207,11 +200,23 @@ def vertical_packet(command: int, height: float, duration: float, mask: int) -> 
 
 def full_state_packet(pos: Points, vel: Points, acc: Points, yaw: float, omega: Points) -> Packet:
     """Return the packet of a full-state setpoint by a program."""
-    state = FullStateArguments(
+    return server_packets.full_state(
         three(pos, "cmdFullState: pos"),
         three(vel, "cmdFullState: vel"),
         three(acc, "cmdFullState: acc"),
         float(yaw),
         three(omega, "cmdFullState: omega"),
     )
-    return server_packets.full_state(state)
+
+
+def start_packet(
+    trajectoryId: int, timescale: float, reverse: bool, groupMask: int, *, relative: bool
+) -> Packet:
+    """Return the packet of the start of a trajectory by a program."""
+    return server_packets.start(
+        whole(trajectoryId, "startTrajectory: trajectoryId", BYTE),
+        real(timescale, "startTrajectory: timescale"),
+        backwards=flag(reverse, "startTrajectory: reverse"),
+        relative=flag(relative, "startTrajectory: relative"),
+        mask=whole(groupMask, "startTrajectory: groupMask", MASK),
+    )
