@@ -1,7 +1,6 @@
 """Swarms that a PID is asked about: at rest on their setpoints, and anywhere."""
 
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 from resting_signals import resting_setpoint, resting_state
@@ -13,8 +12,6 @@ from q2q_model.signals.values import (
     SwarmSetpoint,
     SwarmState,
 )
-
-Signal = TypeVar("Signal", SwarmState, SwarmSetpoint, Interference)
 
 
 def swarm(names: Names, t: float = 0.0) -> tuple[SwarmState, SwarmSetpoint, Interference]:
@@ -39,9 +36,3 @@ def random_swarm(
     ref = rng.normal(size=(3, n, 3))
     setpoint = replace(setpoint, pos=ref[0], vel=ref[1], acc=ref[2], yaw=yaw, yaw_rate=yaw_rate)
     return state, setpoint, replace(eta, acc=rng.normal(size=(n, 3)))
-
-
-def only(signal: Signal, row: int) -> Signal:
-    """Return a signal of one vehicle."""
-    cut = {part: getattr(signal, part)[row : row + 1] for part in signal.__dataclass_fields__ if part != "t"}
-    return replace(signal, **cut)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from resting_signals import resting_setpoint, resting_state
+from pid_swarms import swarm
 
 from q2q_control.experiments.explicit.c_export import c_source
 from q2q_control.experiments.explicit.distillation import DistillationParams, control_policy, distil
@@ -35,7 +35,6 @@ from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import horizon_solver
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
-from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
 
 PARAMS = MpcParams(latency=0.0, thrust_limited=True)
@@ -219,7 +218,7 @@ def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_h
 
 def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
     flown = flown_by(fitting_law(), PARAMS)
-    state, setpoint, downwash = alone()
+    state, setpoint, downwash = swarm(("cf1",))
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(0.65 * GRAVITY)
     broken = replace(state, t=0.01, pos=np.full((1, 3), np.nan))
     command = flown.update(broken, replace(setpoint, t=0.01), replace(downwash, t=0.01))
@@ -229,7 +228,7 @@ def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
 def test_rotors_too_weak_to_hover_and_a_reference_out_of_reach_are_survived():
     low = replace(random_law(), bounds=np.array([-0.95 * GRAVITY, 6.0 / 0.65 - GRAVITY]))
     flown = flown_by(low, PARAMS, replace(TEXTBOOK_065, thrust_max=6.0))
-    state, setpoint, downwash = alone()
+    state, setpoint, downwash = swarm(("cf1",))
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(6.0)
     far = replace(setpoint, t=0.01, pos=np.array([[0.0, 0.0, 100.0]]))
     assert flown.update(replace(state, t=0.01), far, replace(downwash, t=0.01)).thrust[0] == pytest.approx(
@@ -250,10 +249,3 @@ def test_a_law_of_another_vehicle_or_horizon_is_refused():
         flown_by(fitting_law(), replace(PARAMS, thrust_max=7.0))
     with pytest.raises(ValueError, match="steps = 20"):
         Teacher(replace(PARAMS, steps=20), TEXTBOOK_065, PAPER_LAW, 6.6)
-
-
-def alone() -> tuple[SwarmState, SwarmSetpoint, Interference]:
-    zero, flag = np.zeros((1, 3)), np.zeros(1, np.uint8)
-    state = resting_state(0.0, ("cf1",), zero)
-    setpoint = resting_setpoint(0.0, ("cf1",), zero)
-    return state, setpoint, Interference(0.0, ("cf1",), zero, zero, flag)

@@ -1,7 +1,5 @@
 """The guard of a controller: by age through the fallback phases and back, and an emergency."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from guarded_flights import (
@@ -28,11 +26,13 @@ from resting_signals import resting_state
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
     TrackStatus,
+    index_of,
 )
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -149,9 +149,7 @@ def test_a_cut_vehicle_that_is_not_commanded_for_a_while_stays_cut() -> None:
     for k, names in enumerate((NAMES[1:], (), NAMES[1:])):
         t = (520 + k) * TICK
         setpoint = setpoint_at(t)
-        rows = [NAMES.index(name) for name in names]
-        columns = ("pos", "vel", "acc", "yaw", "yaw_rate", "status")
-        some = replace(setpoint, names=names, **{one: getattr(setpoint, one)[rows] for one in columns})
+        some = of_vehicles(setpoint, index_of(names, NAMES))
         assert guard.update(state_at(t), some, None).status.tolist() == [OK] * len(names)
     assert fly(guard, 523, 525)[-1].status.tolist() == [CUT, OK]
 

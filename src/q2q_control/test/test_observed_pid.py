@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from resting_signals import level_command, resting_setpoint, resting_state
+from pid_swarms import swarm
+from resting_signals import level_command
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
 from q2q_control.inputs.alignment import align
@@ -12,7 +13,7 @@ from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.signals.values import Array, Interference, Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, Names
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
 
 DT = 0.01
@@ -20,21 +21,12 @@ DT = 0.01
 GAINS = PidParams(k_p_z=10.0, k_d_z=5.0)
 
 
-def rest(names: Names, t: float) -> tuple[SwarmState, SwarmSetpoint, Interference]:
-    """Return vehicles at rest on their setpoints."""
-    n = len(names)
-    zero, flag = np.zeros((n, 3)), np.zeros(n, np.uint8)
-    state = resting_state(t, names, zero)
-    setpoint = resting_setpoint(t, names, zero)
-    return state, setpoint, Interference(t, names, zero, zero, flag)
-
-
 def heights(controller: Pid | ObservedPid, push: float, latency: int) -> Array:
     """Return the heights [m] of a vehicle without lag, pushed by `push` [m/s^2], commanded late."""
     height, climb, seen = 0.0, 0.0, []
     acting = [TEXTBOOK_065.hover_thrust] * latency
     for k in range(600):
-        state, setpoint, _ = rest(("cf1",), k * DT)
+        state, setpoint, _ = swarm(("cf1",), k * DT)
         state = replace(state, pos=np.array([[0, 0, height]]), vel=np.array([[0, 0, climb]]))
         acting.append(controller.update(state, setpoint, None).thrust[0])
         acc = acting.pop(0) / TEXTBOOK_065.mass - GRAVITY + push
@@ -57,7 +49,7 @@ def test_saturation_for_seconds_winds_nothing_up():
     pid = ObservedPid(params, TrackerParams(latency=0.0), TEXTBOOK_065)
     height, climb, seen = 0.0, 0.0, []
     for k in range(2500):
-        state, setpoint, _ = rest(("cf1",), k * DT)
+        state, setpoint, _ = swarm(("cf1",), k * DT)
         state = replace(state, pos=np.array([[0, 0, height]]), vel=np.array([[0, 0, climb]]))
         push = -0.5 if k < 400 else 0.0  # 6.6 N leave 0.344 m/s^2
         acc = pid.update(state, setpoint, None).thrust[0] / TEXTBOOK_065.mass - GRAVITY + push
@@ -75,7 +67,7 @@ def test_thrust_lag_and_tilt_are_explained_and_not_taken_for_disturbance():
     thrust, pos, vel = CRAZYFLIE_2_0.hover_thrust, np.zeros(3), np.zeros(3)
     keep = np.exp(-DT / CRAZYFLIE_2_0.thrust_lag)
     for k in range(150):
-        state, setpoint, _ = rest(("cf1",), k * DT)
+        state, setpoint, _ = swarm(("cf1",), k * DT)
         state = replace(state, pos=pos[None].copy(), vel=vel[None].copy(), quat=quat)
         setpoint = replace(setpoint, pos=pos[None] + [[0.0, 0.0, 0.05 * np.sin(0.2 * k)]])
         command = pid.update(state, setpoint, None)
@@ -93,7 +85,7 @@ PUSHED = {"cf1": -4.0, "cf2": 0.0, "cf3": -1.0}
 
 def track(tracker: DisturbanceTracker, names: Names, t: float) -> Tracked:
     """Return the estimates of vehicles at rest, whose thrust carries them and the downwash."""
-    state, setpoint, interference = rest(names, t)
+    state, setpoint, interference = swarm(names, t)
     eta = np.array([[0.0, 0.0, PUSHED[name]] for name in names])
     tick = align(state, setpoint, replace(interference, acc=eta))
     tracked = tracker.update(tick)

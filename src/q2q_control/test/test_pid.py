@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pid_swarms import only, random_swarm, swarm
+from pid_swarms import random_swarm, swarm
 
 from q2q_control.attitude.thrust_vector import UPRIGHT_MIN, WEIGHT_MIN, ThrustLimits
 from q2q_control.inputs.alignment import (
@@ -25,6 +25,7 @@ from q2q_control.pid.pid import Pid, pid_gains, pid_limits
 from q2q_control.pid.pid_kernel import pid_rows
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler, yaw_from_quat
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -151,7 +152,7 @@ def test_an_altitude_error_decays_as_the_closed_loop_of_22_says():
 def test_a_command_does_not_change_when_the_other_vehicles_are_hidden():
     whole = random_swarm(7, ("cf1", "cf2", "cf3"))
     all_of_them = Pid(PidParams(), TEXTBOOK_065).update(*whole)
-    alone = Pid(PidParams(), TEXTBOOK_065).update(*(only(signal, 1) for signal in whole))
+    alone = Pid(PidParams(), TEXTBOOK_065).update(*(of_vehicles(signal, np.array([1])) for signal in whole))
     for part in ("thrust", "roll", "pitch", "yaw_rate"):
         assert getattr(alone, part)[0] == getattr(all_of_them, part)[1]
 

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pid_swarms import only, swarm
+from pid_swarms import swarm
 
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -68,7 +69,7 @@ def test_a_lost_vehicle_or_one_without_state_or_a_nan_setpoint_is_not_flown_on()
     nan_setpoint = replace(setpoint, pos=np.array([[0, 0, 0], [np.nan, 0, 0], [0, 0, 0]]))
     command = Pid(PidParams(), TEXTBOOK_065).update(lost, nan_setpoint, eta)
     assert list(command.status) == [CommandStatus.LEVEL, CommandStatus.LEVEL, CommandStatus.OK]
-    missing = Pid(PidParams(), TEXTBOOK_065).update(only(state, 2), setpoint, eta)
+    missing = Pid(PidParams(), TEXTBOOK_065).update(of_vehicles(state, np.array([2])), setpoint, eta)
     assert list(missing.status) == [CommandStatus.LEVEL, CommandStatus.LEVEL, CommandStatus.OK]
 
 

@@ -22,6 +22,7 @@ from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SwarmImu, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
@@ -63,8 +64,7 @@ def late(seconds: float) -> Jet:
 
 def blind(_: int, state: SwarmState) -> SwarmState:
     """Hide the upper vehicle."""
-    cut = {part: getattr(state, part)[:1] for part in state.__slots__ if part != "t"}
-    return replace(state, **cut)
+    return of_vehicles(state, np.array([0]))
 
 
 def stuck(k: int, state: SwarmState) -> SwarmState:

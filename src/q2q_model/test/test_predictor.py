@@ -11,6 +11,7 @@ from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.state_history import StateHistory
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Interference, InterferenceStatus, SwarmState, TrackStatus
 
 LEVEL = pairs_at_rest(np.zeros(3))
@@ -97,7 +98,7 @@ def test_a_state_under_a_wrong_stamp_is_no_past_of_its_vehicles(off: float, rows
         t = 0.01 * k
         now = state(t, [[0, 0, 1.0], [t - 0.4, 0, 1.6]], [[0, 0, 0], [1.0, 0, 0]])
         if k == 35:
-            got.update(_taken(replace(now, t=t + off), rows))
+            got.update(of_vehicles(replace(now, t=t + off), np.array(rows)))
         else:
             np.testing.assert_allclose(got.update(now).acc, right.update(now).acc, rtol=1e-12)
 
@@ -164,15 +165,8 @@ def test_vehicles_that_vanish_return_or_change_rows_keep_their_past():
         t = 0.01 * k
         now = state(t, [[0, 0, 1.0], [t - 0.39, 0, 1.6], [9.0, 0, 1.0]])
         rows = [1, 0, 2] if k % 2 else [0, 1] if k < 20 else [2, 0, 1]
-        expected, got = steady.update(now), shuffled.update(_taken(now, rows))
+        expected, got = steady.update(now), shuffled.update(of_vehicles(now, np.array(rows)))
     np.testing.assert_allclose(got.acc[rows.index(0)], expected.acc[0], rtol=1e-9)
-
-
-def _taken(now: SwarmState, rows: list[int]) -> SwarmState:
-    return SwarmState(
-        now.t, tuple(now.names[r] for r in rows), now.pos[rows], now.vel[rows], now.quat[rows],
-        now.ang_vel_body[rows], now.age[rows], now.status[rows],
-    )  # fmt: skip
 
 
 def test_without_a_model_nothing_pushes_and_the_status_says_so():
@@ -182,7 +176,7 @@ def test_without_a_model_nothing_pushes_and_the_status_says_so():
 
 
 def test_an_empty_swarm_gets_an_empty_answer():
-    empty = InteractionPredictor(MEASURED_LAW).update(_taken(state(0.0, STACK), []))
+    empty = InteractionPredictor(MEASURED_LAW).update(of_vehicles(state(0.0, STACK), np.zeros(0, np.intp)))
     assert empty.acc.shape == (0, 3)
 
 

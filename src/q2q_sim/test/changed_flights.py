@@ -1,12 +1,13 @@
 """A recorded flight whose signals are changed, for tests of policies."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from q2q_model.model_files.find_model import find_model
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.loop.closed_loop import FlightOptions, fly
@@ -64,13 +65,7 @@ def _parts(one: RecordedSignal) -> list[RecordedSignal]:
     whole = one.signal
     if not isinstance(whole, SwarmCommand):
         return [one]
-    columns = {field.name: getattr(whole, field.name) for field in fields(whole)[2:]}
-    return [
-        replace(
-            one, signal=SwarmCommand(whole.t, (name,), **{key: of[k : k + 1] for key, of in columns.items()})
-        )
-        for k, name in enumerate(whole.names)
-    ]
+    return [replace(one, signal=of_vehicles(whole, np.array([k]))) for k in range(len(whole.names))]
 
 
 def only(topic: str, change: Change) -> Change:
