@@ -3,12 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock
 from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT
+from q2q_model.diagnostics.health import Level
 from q2q_model.node.reply import Reply
+from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_sim.ros.stand_in import StandInNode
 
 Servers = dict[str, Callable[[object], object]]
@@ -168,3 +171,20 @@ class RoomNode(StandInNode):
         self.lines.append(line)
 
     warning = error = info
+
+    def answer(self, call: str) -> str:
+        """Return the reason in the answer to a call of the procedure."""
+        self.services[call].call()
+        return self.services[call].sent[-1].reason
+
+    def report(self) -> None:
+        """Let the node report its health, as once per second."""
+        (report,) = [act for period, act in self.timers if period == PERIOD_S]
+        report()
+
+    @property
+    def graded(self) -> tuple[Level, str]:
+        """Return level and summary of the last report."""
+        last = self.published["/diagnostics"][-1]
+        assert isinstance(last, DiagnosticArray)
+        return Level(int.from_bytes(last.status[0].level)), last.status[0].message

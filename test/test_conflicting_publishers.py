@@ -10,7 +10,6 @@ from resting_signals import level_command
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
-from diagnostic_msgs.msg import DiagnosticArray
 from room_node import RoomNode, Writer
 
 from q2q_control.ros import mpc_node, pid_node
@@ -18,7 +17,6 @@ from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.diagnostics.health import Health, Level
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.ros import interference_node, mocap_filter_node
-from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.cdr.cdr_writer import encode
@@ -57,12 +55,6 @@ def packages(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(sys.modules, name, module)
 
 
-def answer(node: SharedRoom, call: str) -> str:
-    """Return the answer to a call of the procedure."""
-    node.services[call].call()
-    return node.services[call].sent[-1].reason
-
-
 @pytest.mark.usefixtures("packages")
 @pytest.mark.parametrize("call", ["take_off", "fly", "start"])
 @pytest.mark.parametrize("topic", ["cf2/cmd_vel_legacy", "cf2/cmd_full_state"])
@@ -70,12 +62,12 @@ def test_the_bridge_begins_no_flight_beside_other_setpoints(call: str, topic: st
     node = SharedRoom()
     Crazyswarm(node)
     node.writers = {"cf2/cmd_full_state": ("crazyswarm",), topic: ("crazyswarm", "pid")}
-    assert answer(node, call) == (
+    assert node.answer(call) == (
         "other nodes publish setpoints of these vehicles (pid): "
         "stop them, or set legacy_hz:=0 on a controller"
     )
     node.writers = {"cf2/cmd_full_state": ("crazyswarm",)}
-    assert "setpoints of these vehicles" not in answer(node, call)
+    assert "setpoints of these vehicles" not in node.answer(call)
 
 
 @pytest.mark.usefixtures("packages")
@@ -83,9 +75,9 @@ def test_the_bridge_begins_no_flight_by_two_controllers_but_would_land() -> None
     node = SharedRoom(mode="command")
     Crazyswarm(node)
     node.writers = {"command": ("pid", "pid_2")}
-    assert answer(node, "take_off") == TWO
+    assert node.answer("take_off") == TWO
     assert node.lines[-1] == TWO
-    assert "the step is offline" in answer(node, "land")
+    assert "the step is offline" in node.answer("land")
 
 
 def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> None:
@@ -103,12 +95,11 @@ def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> No
     assert list(health.doubts.values()) == ["", ""]
 
 
-def room_for(build: Callable[[SharedRoom], object], **given: object) -> tuple[SharedRoom, Callable[[], None]]:
-    """Return a room with a node in it, and what reports its health each second."""
+def room_for(build: Callable[[SharedRoom], object], **given: object) -> SharedRoom:
+    """Return a room with a node in it."""
     node = SharedRoom(**given)
     build(node)
-    [report] = [act for period, act in node.timers if period == PERIOD_S]
-    return node, report
+    return node
 
 
 @pytest.mark.parametrize(
@@ -122,28 +113,21 @@ def room_for(build: Callable[[SharedRoom], object], **given: object) -> tuple[Sh
 def test_two_clocks_are_reported_by_each_node_that_writes_one(
     build: Callable[[SharedRoom], object], given: dict[str, object], *, is_reported: bool
 ) -> None:
-    node, report = room_for(build, **given)
+    node = room_for(build, **given)
     node.writers = {"/clock": ("bag_play", "simulator")}
-    report()
-    report()
+    node.report()
+    node.report()
     message = "/clock: 2 nodes write it (bag_play, simulator); 1 may: stop the others"
     assert node.lines.count(message) == int(is_reported)
-    assert graded(node) == ((Level.WARN, message) if is_reported else (Level.STALE, "no tick"))
+    assert node.graded == ((Level.WARN, message) if is_reported else (Level.STALE, "no tick"))
     node.writers = {"/clock": ("simulator",)}
-    report()
-    assert graded(node) == (Level.STALE, "no tick")
-
-
-def graded(node: SharedRoom) -> tuple[Level, str]:
-    """Return level and summary of a node's last report."""
-    last = node.published["/diagnostics"][-1]
-    assert isinstance(last, DiagnosticArray)
-    return Level(int.from_bytes(last.status[0].level)), last.status[0].message
+    node.report()
+    assert node.graded == (Level.STALE, "no tick")
 
 
 def is_idle(node: SharedRoom) -> bool:
     """Return whether a node reported that it had no tick, for whichever input, and nothing else."""
-    level, summary = graded(node)
+    level, summary = node.graded
     return level == Level.STALE and summary.startswith("no tick")
 
 
@@ -173,17 +157,17 @@ def test_a_node_that_runs_twice_reports_that_its_output_conflicts(
 ) -> None:
     plan_file.save(tmp_path / "plan.json", flight_blocks.plan_of(library.load("table6")))
     given: dict[str, object] = {"bag": str(BAG), "autostart": False, "plan": str(tmp_path / "plan.json")}
-    node, report = room_for(build, **given, vehicles=())
+    node = room_for(build, **given, vehicles=())
     node.writers = {topic: ("one",)}
-    report()
+    node.report()
     assert is_idle(node)
     node.writers = {topic: ("one", "one")}
-    report()
-    assert graded(node) == (Level.WARN, TWICE.format(topic, "one"))
+    node.report()
+    assert node.graded == (Level.WARN, TWICE.format(topic, "one"))
 
 
 def test_controllers_of_some_vehicles_each_share_the_command_unless_they_have_one_name() -> None:
-    node, report = room_for(pid_node.build, vehicles=("cf1",))
+    node = room_for(pid_node.build, vehicles=("cf1",))
     for writers, namespaces, message in (
         (("pid", "pid_2", "pid_3"), ("/", "/", "/"), ""),
         (("pid", "pid"), ("/cf1", "/cf2"), ""),
@@ -191,28 +175,28 @@ def test_controllers_of_some_vehicles_each_share_the_command_unless_they_have_on
         (("pid", "pid"), ("/cf1", "/cf1"), NAMESAKES.format("cf1/pid")),
     ):
         node.writers, node.namespaces = {"command": writers}, namespaces
-        report()
-        assert graded(node) == (Level.WARN, message) if message else is_idle(node)
+        node.report()
+        assert node.graded == (Level.WARN, message) if message else is_idle(node)
 
 
 def test_the_simulator_reports_of_controllers_that_cannot_each_have_vehicles_of_their_own() -> None:
-    node, report = room_for(Simulator, scenario="table6", pace="live", autostart=False)
+    node = room_for(Simulator, scenario="table6", pace="live", autostart=False)
     node.writers = {"command": ("pid", "pid")}
-    report()
-    assert graded(node) == (Level.WARN, NAMESAKES.format("pid"))
+    node.report()
+    assert node.graded == (Level.WARN, NAMESAKES.format("pid"))
     node.writers = {"command": ("mpc_cf1", "mpc_cf2")}
-    report()
-    assert graded(node) == (Level.STALE, "no tick")
+    node.report()
+    assert node.graded == (Level.STALE, "no tick")
 
 
 def test_a_report_of_writers_hides_nothing_that_a_node_doubts_of_the_same_topic() -> None:
-    node, report = room_for(mocap_filter_node.build, vehicles=("cf1",))
+    node = room_for(mocap_filter_node.build, vehicles=("cf1",))
     for k in range(60):  # what is wrong with frames is reported once it lasts
         frame = MocapFrame(0.01 * k, ("cf1",), np.full((1, 3), 1000.0 + k), identity_quat((1,)))
         node.takers["mocap"](encode(frame, 10**7 * k))
-    report()
-    assert graded(node)[0] == Level.WARN
-    assert graded(node)[1].startswith("positions beyond pos_max are rejected: cf1")
+    node.report()
+    assert node.graded[0] == Level.WARN
+    assert node.graded[1].startswith("positions beyond pos_max are rejected: cf1")
 
 
 def commands(*orders: tuple[Names, float]) -> list[bytes]:
@@ -227,7 +211,7 @@ def commands(*orders: tuple[Names, float]) -> list[bytes]:
 
 
 def test_the_simulator_names_the_vehicles_that_two_controllers_command_once() -> None:
-    node, report = room_for(Simulator, scenario="table6", pace="live", autostart=False)
+    node = room_for(Simulator, scenario="table6", pace="live", autostart=False)
     node.writers = {"command": ("mpc", "pid")}
     message = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
     for orders, found in (
@@ -238,17 +222,17 @@ def test_the_simulator_names_the_vehicles_that_two_controllers_command_once() ->
     ):
         for data in commands(*orders):
             node.takers["command"](data)
-        report()
-        assert graded(node) == ((Level.WARN, found) if found else (Level.STALE, "no tick"))
+        node.report()
+        assert node.graded == ((Level.WARN, found) if found else (Level.STALE, "no tick"))
     assert node.lines == [message]
 
 
 def test_a_bag_played_into_a_running_stack_is_reported_by_its_player() -> None:
-    node, report = room_for(Player, bag=str(BAG), autostart=False)
+    node = room_for(Player, bag=str(BAG), autostart=False)
     node.writers = {"mocap": ("bag_play",), "state": ("bag_play", "mocap_filter"), "other": ("a", "b")}
-    report()
+    node.report()
     message = "state: 2 nodes write it (bag_play, mocap_filter); 1 may: stop the others"
-    assert graded(node) == (Level.WARN, message)
+    assert node.graded == (Level.WARN, message)
 
 
 @pytest.mark.parametrize(("topic", "build"), [("model", interference_node.build), ("plan", mpc_node.build)])
@@ -258,8 +242,7 @@ def test_two_publishers_of_models_or_plans_are_reported_each_second(
     node = SharedRoom(model="none", vehicles=())
     wiring = build(node)
     node.writers = {topic: ("one", "two")}
-    [report] = [act for period, act in node.timers if period == PERIOD_S]
-    report()
+    node.report()
     message = f"{topic}: 2 nodes write it (one, two); 1 may: stop the others"
     assert message in wiring.health.doubts.values()
     assert node.lines[0] == message

@@ -8,7 +8,6 @@ import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile
 from room_node import Reader, RoomNode
@@ -17,7 +16,6 @@ from q2q_control.crazyswarm.message_conversion import NamedPose
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_model.diagnostics.health import Level
-from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.topics.messages import header_at
 from q2q_sim.ros.absent_packages import interface_packages
 
@@ -34,34 +32,21 @@ def room(monkeypatch: pytest.MonkeyPatch) -> RoomNode:
     return node
 
 
-def answer(node: RoomNode, call: str) -> str:
-    """Return the answer to a call of the procedure."""
-    node.services[call].call()
-    return node.services[call].sent[-1].reason
-
-
 def take_poses(node: RoomNode, *names: str) -> None:
     """Let motion capture publish poses of bodies of some names."""
     poses = [NamedPose(name, (0.0, 0.0, 0.0), (math.nan,) * 4) for name in names]
     node.takers["/poses"](find_pose_types().write(header_at(0), poses))
 
 
-def graded(node: RoomNode) -> tuple[Level, str]:
-    """Return level and summary of the report of a second."""
-    [report] = [act for period, act in node.timers if period == PERIOD_S]
-    report()
-    last = node.published["/diagnostics"][-1]
-    assert isinstance(last, DiagnosticArray)
-    return Level(int.from_bytes(last.status[0].level)), last.status[0].message
-
-
 def is_told_until_it_is_mended(node: RoomNode, message: str, mend: Callable[[], None]) -> None:
     """Check that a message is the answer to what begins a flight, and in diagnostics, until it is mended."""
-    assert [answer(node, call) for call in CALLS] == [message] * 3
-    assert graded(node) == (Level.WARN, message)
+    assert [node.answer(call) for call in CALLS] == [message] * 3
+    node.report()
+    assert node.graded == (Level.WARN, message)
     mend()
-    assert message not in {answer(node, call) for call in CALLS}
-    assert graded(node)[0] != Level.WARN
+    assert message not in {node.answer(call) for call in CALLS}
+    node.report()
+    assert node.graded[0] != Level.WARN
 
 
 def test_two_drivers_of_motion_capture_are_named(room: RoomNode) -> None:
@@ -77,15 +62,15 @@ def test_names_that_motion_capture_has_in_place_of_vehicles_are_told(room: RoomN
     message = f"/poses has CF1, CF2, none of cf1, cf2: {advice}"
     is_told_until_it_is_mended(room, message, lambda: take_poses(room, "cf2", "cf1", "wand"))
     take_poses(room, "CF1", "CF2")  # vehicles that were there are lost, not misnamed
-    assert message not in answer(room, "take_off")
+    assert message not in room.answer("take_off")
     assert [line for line in room.lines if advice in line] == [message]
 
 
 def test_of_one_misnamed_vehicle_only_its_names_are_told(room: RoomNode) -> None:
     take_poses(room)
-    assert "/poses has" not in answer(room, "take_off")
+    assert "/poses has" not in room.answer("take_off")
     take_poses(room, "cf1", "CF2")
-    assert answer(room, "take_off").startswith("/poses has CF2, none of cf2: ")
+    assert room.answer("take_off").startswith("/poses has CF2, none of cf2: ")
 
 
 def test_a_server_that_does_not_read_the_filtered_poses_is_told(room: RoomNode) -> None:
@@ -101,7 +86,7 @@ def test_a_server_that_does_not_read_the_filtered_poses_is_told(room: RoomNode) 
 def test_a_reader_that_requests_no_deadline_gets_every_pose(room: RoomNode) -> None:
     room.pose_readers = [Reader("crazyflie_server", QoSProfile(depth=1))]
     assert QoSProfile(depth=1).deadline.nanoseconds == 0
-    assert "no pose of" not in answer(room, "take_off")
+    assert "no pose of" not in room.answer("take_off")
 
 
 def test_a_server_that_requests_a_shorter_deadline_than_is_offered_is_told(room: RoomNode) -> None:

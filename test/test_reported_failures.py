@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
-from room_node import RoomNode
+from room_node import RoomNode, Writer
 from std_srvs.srv import Empty
 
 from q2q_control.ros import pid_node
@@ -165,7 +165,7 @@ class Graph:
         """Return how many write a topic."""
         return len(self.get_publishers_info_by_topic(topic))
 
-    def get_publishers_info_by_topic(self, topic: str) -> list["Writer"]:
+    def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
         """Return who writes a topic of the room."""
         return [Writer(name) for name in self.writers if topic.startswith("/room/")]
 
@@ -176,14 +176,6 @@ class Graph:
     def warning(self, line: str) -> None:
         """Keep a line."""
         self.lines.append(line)
-
-
-@dataclass
-class Writer:
-    """Publisher, as ROS describes it."""
-
-    node_name: str
-    node_namespace: str = "/"
 
 
 def test_a_second_writer_of_an_input_is_reported_once_and_graded_until_it_is_gone() -> None:
