@@ -1,7 +1,7 @@
 """A short campaign: it goes on where it was broken off, and keeps what runs violate."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
@@ -19,7 +19,6 @@ from q2q_sim.experiments.campaign.run_outcome import (
     DIED,
     MODE_AGREEMENT,
     RunOutcome,
-    as_document,
     from_document,
     summary,
 )
@@ -55,11 +54,11 @@ def test_a_campaign_counts_runs_not_violations() -> None:
 
 def test_outcomes_survive_a_file_and_nonsense_is_refused() -> None:
     one = ended(2, BROKEN)
-    assert from_document(json.loads(json.dumps(as_document(one)))) == one
+    assert from_document(json.loads(json.dumps(asdict(one)))) == one
     with pytest.raises(ValueError, match="not an outcome of a run"):
         from_document({"seed": 1})
     with pytest.raises(ValueError, match="unknown policy 'tlit'; known are separation, zone, "):
-        from_document(as_document(ended(2, replace(BROKEN, policy="tlit"))))
+        from_document(asdict(ended(2, replace(BROKEN, policy="tlit"))))
 
 
 def test_an_interrupted_campaign_goes_on_and_a_violation_is_reported(
@@ -79,7 +78,7 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_reported(
     assert campaign.main(["--runs", "2", *asked]) == 0
     with (tmp_path / "runs.jsonl").open("a") as log:
         for seed, what in ((12, "died"), (13, DIED)):  # 12 as earlier versions kept what another run killed
-            log.write(json.dumps(as_document(replace(ended(seed, BROKEN), what=what))) + "\n")
+            log.write(json.dumps(asdict(replace(ended(seed, BROKEN), what=what))) + "\n")
         log.write('{"seed": 14, "thr')  # killed while writing
     assert campaign.main(["--runs", "5", *asked]) == 1
     assert flown == [10, 11, 12, 14]

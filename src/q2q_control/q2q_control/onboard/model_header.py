@@ -7,13 +7,11 @@ the parts of the law that a model does not use.
 
 import math
 from dataclasses import dataclass
-from typing import TypeGuard
 
 import numpy as np
 
 from q2q_model.downwash.correction.corrected_predictor import CLEAR, OFFSET_S
 from q2q_model.downwash.correction.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
-from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.jet_kernel import STEEPEST
 from q2q_model.downwash.roles import BLEND
@@ -54,7 +52,7 @@ def model_header(file: ModelFile, vehicle: Vehicle, rates: AppRates | None = Non
         UnsupportedModelError: the model is not a jet.
     """
     jet, rates = file.interaction, rates or AppRates()
-    if not _is_jet(jet):
+    if not isinstance(jet, Jet):
         raise UnsupportedModelError(
             f"the firmware app evaluates a jet, not a {type(jet).__name__}: name a model that "
             "`identify` fits as a jet, or a shipped law such as measured_law"
@@ -78,10 +76,6 @@ def model_header(file: ModelFile, vehicle: Vehicle, rates: AppRates | None = Non
             "",
         ]
     )
-
-
-def _is_jet(model: InteractionModel) -> TypeGuard[Jet]:
-    return isinstance(model, Jet)
 
 
 def _samples(jet: Jet, rates: AppRates) -> int:

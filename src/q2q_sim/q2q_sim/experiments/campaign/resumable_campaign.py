@@ -3,6 +3,7 @@
 import json
 from argparse import Namespace
 from collections.abc import Container, Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from rich.console import Console
@@ -14,7 +15,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.plain_console import plain_console
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
-from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
+from q2q_sim.experiments.campaign.run_outcome import RunOutcome, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 from q2q_sim.experiments.resume_log import exclusive_log, read_entries
 
@@ -48,7 +49,7 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
         nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
         for one in _all(args, pure, nodes, kept):
-            file.write(json.dumps(as_document(one)) + "\n")
+            file.write(json.dumps(asdict(one)) + "\n")
             file.flush()
             done[one.seed] = one
             print_violation(one, bar.console)

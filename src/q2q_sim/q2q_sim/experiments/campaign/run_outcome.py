@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from q2q_sim.monitors.policies import POLICIES, Violation
 
@@ -33,11 +33,6 @@ class RunOutcome:
     def policies(self) -> list[str]:
         """Return the violated policies, once each."""
         return sorted({one.policy for one in self.violations})
-
-
-def as_document(outcome: RunOutcome) -> dict[str, object]:
-    """Return an outcome as plain values, for a file of JSON lines."""
-    return asdict(outcome)
 
 
 def from_document(document: Mapping[str, object]) -> RunOutcome:

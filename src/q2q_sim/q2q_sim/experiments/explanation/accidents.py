@@ -31,7 +31,6 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.monitors.policies import Limits
 from q2q_sim.random_streams import stream
-from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 ACCIDENT = Limits().back
@@ -132,14 +131,14 @@ def _late(case: FlightCase, rng: np.random.Generator) -> FlightCase:
     if rng.random() < 0.5:
         return _with_fault(case, rng, "late", lasts=(0.5, 3.0), size=(0.05, 0.4))
     radio = replace(case.scenario.radio, latency=float(rng.uniform(0.05, 0.4)))
-    return _with(case, replace(case.scenario, radio=radio))
+    return replace(case, scenario=replace(case.scenario, radio=radio))
 
 
 def _deaf(case: FlightCase, rng: np.random.Generator) -> FlightCase:
     if rng.random() < 0.5:
         return _with_fault(case, rng, "radio_loss", lasts=(0.3, 3.0), size=(0.7, 1.0))
     radio = replace(case.scenario.radio, loss=float(rng.uniform(0.7, 0.99)))
-    return _with(case, replace(case.scenario, radio=radio))
+    return replace(case, scenario=replace(case.scenario, radio=radio))
 
 
 def _badly_tuned(case: FlightCase, rng: np.random.Generator) -> FlightCase:
@@ -147,12 +146,12 @@ def _badly_tuned(case: FlightCase, rng: np.random.Generator) -> FlightCase:
     own = dict(case.scenario.overrides["pid"])
     for name in changed:
         own[name] = GAINS[name] * float(rng.uniform(0.0, 0.3))
-    return _with(case, replace(case.scenario, overrides={**case.scenario.overrides, "pid": own}))
+    return replace(case, scenario=replace(case.scenario, overrides={**case.scenario.overrides, "pid": own}))
 
 
 def _gusty(case: FlightCase, rng: np.random.Generator) -> FlightCase:
     air = replace(case.scenario.disturbance, air_std=float(rng.uniform(0.5, 4.0)))
-    return _with(case, replace(case.scenario, disturbance=air))
+    return replace(case, scenario=replace(case.scenario, disturbance=air))
 
 
 def _with_fault(
@@ -170,16 +169,12 @@ def _with_fault(
         vehicles=_named_vehicles(kind, case.scenario.names),
         size=float(rng.uniform(*size)),
     )
-    return _with(case, replace(case.scenario, faults=(fault,)))
+    return replace(case, scenario=replace(case.scenario, faults=(fault,)))
 
 
 def _named_vehicles(kind: str, names: Names) -> Names:
     """Return the vehicles that a fault names: cf1; both that are swapped; none for a whole frame."""
     return {"swap": names[:2], "late": (), "stale": ()}.get(kind, names[:1])
-
-
-def _with(case: FlightCase, scenario: Scenario) -> FlightCase:
-    return replace(case, scenario=scenario)
 
 
 INJECTIONS: Mapping[str, Injection] = {

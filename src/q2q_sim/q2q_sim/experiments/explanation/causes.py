@@ -25,7 +25,6 @@ from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 from q2q_sim.experiments.campaign.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase
 from q2q_sim.link.radio import RadioParams
-from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.sensors.vicon_params import ViconParams
 
 AMPLE = 4.0
@@ -62,11 +61,7 @@ def _differs(one: FlightCase, other: FlightCase) -> bool:
 
 def _without_faults(case: FlightCase, kinds: Collection[str]) -> FlightCase:
     kept = tuple(fault for fault in case.scenario.faults if fault.kind not in kinds)
-    return _with_scenario(case, replace(case.scenario, faults=kept))
-
-
-def _with_scenario(case: FlightCase, scenario: Scenario) -> FlightCase:
-    return replace(case, scenario=scenario)
+    return replace(case, scenario=replace(case.scenario, faults=kept))
 
 
 def _without_downwash(case: FlightCase) -> FlightCase:
@@ -90,7 +85,7 @@ def _without_wind(case: FlightCase) -> FlightCase:
     if case.air is not None:  # a wake law: still air
         return case
     still = replace(case.scenario.disturbance, air_std=0.0)
-    return _with_scenario(case, replace(case.scenario, disturbance=still))
+    return replace(case, scenario=replace(case.scenario, disturbance=still))
 
 
 def _without_terms(air: RoomAir, terms: Collection[str]) -> RoomAir:
@@ -139,18 +134,18 @@ def _even(term: VehicleTerm) -> VehicleTerm:
 
 def _without_mocap_errors(case: FlightCase) -> FlightCase:
     perfect = ViconParams(latency=case.scenario.vicon.latency)
-    return _with_scenario(case, replace(case.scenario, vicon=perfect))
+    return replace(case, scenario=replace(case.scenario, vicon=perfect))
 
 
 def _without_latency(case: FlightCase) -> FlightCase:
     vicon = replace(case.scenario.vicon, latency=0.0)
     radio = replace(case.scenario.radio, latency=0.0, jitter=0.0)
-    return _with_scenario(case, replace(case.scenario, vicon=vicon, radio=radio))
+    return replace(case, scenario=replace(case.scenario, vicon=vicon, radio=radio))
 
 
 def _without_losses(case: FlightCase) -> FlightCase:
     radio = replace(case.scenario.radio, loss=0.0, rate=RadioParams().rate)
-    return _with_scenario(case, replace(case.scenario, radio=radio))
+    return replace(case, scenario=replace(case.scenario, radio=radio))
 
 
 def _with_reference_control(case: FlightCase) -> FlightCase:
