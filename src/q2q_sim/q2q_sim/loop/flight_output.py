@@ -4,15 +4,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Interference, MocapFrame, SwarmImu, SwarmState
+from q2q_model.signals.topic_names import TICK_TOPICS
 from q2q_sim.loop.flight_clock import FlightTiming
 
-OUTPUTS: dict[str, type[Signal]] = {
-    "mocap": MocapFrame,
-    "truth": SwarmState,
-    "truth_interference": Interference,
-    "imu": SwarmImu,
-}
+OUTPUTS = {topic: TICK_TOPICS[topic] for topic in ("mocap", "truth", "truth_interference", "imu")}
 """Published topics and their signals."""
 
 

@@ -18,6 +18,7 @@ from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
 from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.flights.up_axis import y_up_reason
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import Array
 
 NEEDS = (
@@ -111,7 +112,7 @@ def write_bag(table: FlightTable, path: Path, facts: FlightFacts | None = None) 
     with BagWriter(path, facts=facts) as bag:
         for row, together in enumerate(zip(*signals.values(), strict=True)):
             for topic, signal in zip(signals, together, strict=True):
-                bag.write_signal(topic, round(signal.t * 1e9), signal)
+                bag.write_signal(topic, stamp_from_time(signal.t), signal)
             if log.columns:
                 write_log_row(bag, log, row)
     topics = [*signals, LOG_TOPIC] if log.columns else list(signals)

@@ -2,14 +2,13 @@
 
 import sys
 from argparse import Namespace
-from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 
 from q2q_model.bag import BagReader, FlightFacts, TopicMap, read_facts
 from q2q_model.documents.written_file import write_text
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight import Flight, of_rows
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.identification.push.recorded_push import check_weight, push_record
@@ -83,5 +82,4 @@ def part_of_flight(flight: Flight, start: float, end: float | None) -> Flight:
     if kept.sum() < 2:
         asked = f"--start {start:g}" + ("" if end is None else f" --end {end:g}")
         raise ValueError(f"{asked} keeps nothing: flight {flight.name} lasts 0 to {since[-1]:.2f} s")
-    arrays = {one.name: getattr(flight, one.name) for one in fields(flight)[2:]}
-    return replace(flight, **{name: values[kept] for name, values in arrays.items()})
+    return of_rows(flight, kept)

@@ -15,7 +15,7 @@ from q2q_model.documents.written_file import write_text
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.stamps import NANOSECONDS
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
@@ -138,7 +138,7 @@ def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> Non
         facts = scenario_facts(run.scenario, run.options, run.seed, f"{run.seed}.yaml")
         with BagWriter(bag, facts=facts) as writer:
             for one in signals:
-                writer.write_signal(f"/{one.topic}", round(one.at * NANOSECONDS), one.signal)
+                writer.write_signal(f"/{one.topic}", stamp_from_time(one.at), one.signal)
 
 
 def write_scenario(run: Run, path: Path) -> None:

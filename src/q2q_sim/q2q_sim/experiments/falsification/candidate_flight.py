@@ -20,7 +20,7 @@ import numpy as np
 from q2q_model.bag import BagReader, BagWriter
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
-from q2q_model.signals.stamps import NANOSECONDS
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_sim.experiments.campaign.campaign_flight import circumstances_of, crash_violation, fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification.postconditions import (
@@ -113,7 +113,7 @@ def _record(topics: Mapping[str, Sequence[Signal]]) -> Iterator[Violation]:
         with BagWriter(bag) as writer:
             for truth, *signals in zip(topics["truth"], *written.values(), strict=True):
                 for topic, one in zip(RECORDED, signals, strict=True):
-                    writer.write_signal(topic, round(truth.t * NANOSECONDS), one)
+                    writer.write_signal(topic, stamp_from_time(truth.t), one)
         read = BagReader(bag).rows(RECORDED)
     for topic in RECORDED:
         if not _same(rows_of_signals(written[topic]), read[topic]):
