@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
-from made_outcomes import BROKEN, ended
+from made_outcomes import BROKEN, ended, run_in_this_process
 
 from q2q_model.bag import BagReader
 from q2q_sim.bag_topics.recorded_trace import trace_in
@@ -70,9 +70,7 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_reported(
         flown.append(seed)
         return ended(seed, *([BROKEN] if seed == 12 else []))
 
-    monkeypatch.setattr(
-        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
-    )  # in this process
+    run_in_this_process(monkeypatch)
     monkeypatch.setattr(parallel_runs, "fly_and_judge", fly)
     asked = ["--seed", "10", "--out", str(tmp_path)]
     assert campaign.main(["--runs", "2", *asked]) == 0

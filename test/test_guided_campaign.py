@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from made_outcomes import BROKEN
+from made_outcomes import BROKEN, run_in_this_process
 
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import parallel_runs, random_run
+from q2q_sim.experiments.campaign import random_run
 from q2q_sim.experiments.falsification import bug_score, guided_campaign, search_record
 from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
 from q2q_sim.experiments.falsification.counterexample import read_case
@@ -24,9 +24,7 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
         flown.append(run.seed)
         return CandidateFlight((BROKEN,) if run.seed == 37 else (), {"setpoint_error": -float(len(flown))})
 
-    monkeypatch.setattr(
-        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
-    )  # in this process
+    run_in_this_process(monkeypatch)
     monkeypatch.setattr(search_record, "fly_candidate", fly)
     monkeypatch.setattr(bug_score, "fly_candidate", lambda _: CandidateFlight(()))
     asked = ["--guided", "--runs", "110", "--bug-runs", "3", "--out", str(tmp_path)]

@@ -7,10 +7,10 @@ from pathlib import Path
 import cma
 import numpy as np
 import pytest
+from made_outcomes import run_in_this_process
 
 from q2q_model.signals.values import Array
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification import search_record
 from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
@@ -48,9 +48,7 @@ def test_work_of_another_search_is_not_resumed(tmp_path: Path, monkeypatch: pyte
         flown.append(run)
         return CandidateFlight(())
 
-    monkeypatch.setattr(
-        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
-    )  # in this process
+    run_in_this_process(monkeypatch)
     monkeypatch.setattr(search_record, "fly_candidate", fly)
     asked = ["--guided", "--runs", "1", "--bug-runs", "0", "--out", str(tmp_path)]
     log = tmp_path / "searches.jsonl"

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from made_outcomes import run_in_this_process
 
 from q2q_sim.commands import ablation, campaign, robustness
 from q2q_sim.experiments.ablation import fill_ablation
@@ -27,9 +28,7 @@ def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(
         statuses.append(campaign.main(asked))
         return RunOutcome(seed, through_nodes=False, what="made up", violations=(), seconds=0.0)
 
-    monkeypatch.setattr(
-        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
-    )  # in this process
+    run_in_this_process(monkeypatch)
     monkeypatch.setattr(parallel_runs, "fly_and_judge", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
@@ -48,9 +47,7 @@ def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
         statuses.append(campaign.main(asked))
         return CandidateFlight(())
 
-    monkeypatch.setattr(
-        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
-    )  # in this process
+    run_in_this_process(monkeypatch)
     monkeypatch.setattr(search_record, "fly_candidate", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
