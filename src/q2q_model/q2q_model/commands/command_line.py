@@ -76,7 +76,7 @@ class CommandLine(argparse.ArgumentParser):
 def run_command(
     line: CommandLine,
     prepare: Callable[[Namespace], Work],
-    argv: Sequence[str] | None = None,
+    argv: Sequence[str] | None,
     *,
     interrupted: str = "interrupted",
     refused: int = 1,

@@ -22,7 +22,7 @@ class BagTick:
 
     tick: RawMessage | None
     """Message that is the tick; None if the bag has no further one."""
-    messages: tuple[RawMessage, ...] = ()
+    messages: tuple[RawMessage, ...]
     """Messages to play; empty at the end of the bag."""
     stamped: tuple[RawMessage, ...] = ()
     """Those with the header stamp of the tick."""

@@ -88,7 +88,7 @@ class Blocks:
     """Plays the plan from stamp 0."""
     replanner: Replanner
     controller: Controller
-    sense: Callable[[SwarmImu], None] = ignore_accelerometers
+    sense: Callable[[SwarmImu], None]
     """Takes the accelerometers of a tick after its command."""
 
 

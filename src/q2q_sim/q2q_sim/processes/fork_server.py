@@ -37,7 +37,7 @@ class NodeStart:
     """Environment; variables read on import (NUMBA_CACHE_DIR) keep the fork server's values."""
     log: Path
     """File for its output."""
-    cores: frozenset[int] = frozenset()
+    cores: frozenset[int]
     """Allowed cores; empty is any."""
 
 

@@ -63,9 +63,9 @@ class Reported:
     """Health of its nodes, if `/diagnostics` was recorded."""
     verdict: FlightVerdict
     vehicle: Vehicle
-    note: str = ""
+    note: str
     """Assumed vehicle, if the bag does not name it."""
-    air: str = ""
+    air: str
     """Air of the simulator, if known."""
 
 

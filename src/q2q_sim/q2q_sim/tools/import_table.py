@@ -86,7 +86,7 @@ def _columns(
 
 
 def read_logs(
-    paths: Sequence[Path], names: Sequence[str] | None = None, chosen: ColumnMap | None = None
+    paths: Sequence[Path], names: Sequence[str] | None, chosen: ColumnMap | None
 ) -> dict[str, UsdLog]:
     """Return each vehicle's micro-SD log; a vehicle is named by its file, up to the last _number.
 

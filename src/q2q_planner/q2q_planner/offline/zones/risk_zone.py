@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash import level_set
-from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CONTACT
@@ -99,9 +99,7 @@ def largest_push(params: RiskParams, residual: ResidualProcess) -> float:
     return push
 
 
-def risk_zone(
-    model: InteractionModel, params: RiskParams, residual: ResidualProcess = REAL_FLIGHTS
-) -> ConvexZone:
+def risk_zone(model: InteractionModel, params: RiskParams, residual: ResidualProcess) -> ConvexZone:
     """Return Z; raise as `largest_push`."""
     push = largest_push(params, residual)
     grown = 2.0 * np.array([params.tube.horizontal, params.tube.vertical])

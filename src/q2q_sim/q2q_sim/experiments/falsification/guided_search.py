@@ -59,9 +59,9 @@ class GuidedSearch:
     """First run with a violation, if any."""
     policies: frozenset[str]
     """Policies that it violates."""
-    thrust_exceeded: int = 0
+    thrust_exceeded: int
     """Runs in which the thrust of some vehicle was exceeded."""
-    unpredicted_downwash: int = 0
+    unpredicted_downwash: int
     """Runs in which one was flown blind in a downwash that nothing could predict."""
 
 

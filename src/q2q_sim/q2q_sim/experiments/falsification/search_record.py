@@ -39,7 +39,7 @@ class SearchRecord:
     """SEARCH of the module guided_search."""
 
 
-def search_and_keep(seed: int, length: int, kept: Path, air: str = "") -> SearchRecord:
+def search_and_keep(seed: int, length: int, kept: Path, air: str) -> SearchRecord:
     """Fly a guided search; shrink the violation found, and write case file and replay page in `kept`."""
     began = perf_counter()
     found = guided_search(seed, length, fly_candidate, air)

@@ -82,7 +82,7 @@ class LicenceScore:
         return "right" if self.right else "WRONG"
 
 
-def scored_programs(folder: Path, only: Sequence[str] = ()) -> list[ScoredProgram]:
+def scored_programs(folder: Path, only: Sequence[str]) -> list[ScoredProgram]:
     """Return the programs of a folder, all or those named.
 
     Raises:

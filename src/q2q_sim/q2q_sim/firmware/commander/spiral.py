@@ -35,8 +35,8 @@ class Spiral:
     """[m]"""
     duration: float
     """[s]; an arc in 0 s is NaN."""
-    sideways: bool = False
-    clockwise: bool = False
+    sideways: bool
+    clockwise: bool
 
 
 @np.errstate(all="ignore")
