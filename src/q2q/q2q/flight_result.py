@@ -165,7 +165,6 @@ def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "")
         for label, one in flights.items()
     ]
     html, file = replay_html(runs, title or ", ".join(flights)), Path(path)
-    file.parent.mkdir(parents=True, exist_ok=True)
     write_text(html, file)
     return file
 

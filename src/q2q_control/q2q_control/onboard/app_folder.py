@@ -23,7 +23,6 @@ def write_app(folder: Path, file: ModelFile, vehicle: Vehicle, rates: AppRates |
     header = model_header(file, vehicle, rates)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise FileExistsError(f"{folder} is not an empty folder: name a new one, or remove it first")
-    folder.mkdir(parents=True, exist_ok=True)
     written = {HEADER: header}
     written |= {one.name: one.read_text(encoding="utf-8") for one in sorted(SOURCES.iterdir())}
     for name, text in written.items():

@@ -108,7 +108,6 @@ def run(asked: Namespace) -> int:
     check_feasible(made.plan, swarm, asked.vehicle, reserve, asked.tilt)
     uploads = upload_rows(made.plan) if asked.upload else {}
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
-    asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)
     with redirect_stdout(text_stream(asked.json)):
         if asked.figures:

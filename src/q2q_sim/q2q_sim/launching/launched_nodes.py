@@ -44,7 +44,6 @@ def scenario_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         model=given["model"],
     )
     folder = folder_of(given["folder"])
-    folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(load_scenario(request), request, folder, folder / "bag")
     return [*_by_itself(specs), *_viewers(given)]
 

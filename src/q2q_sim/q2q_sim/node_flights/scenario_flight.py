@@ -37,7 +37,6 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
     scenario = load_scenario(request)
     if bag.exists():
         raise ValueError(f"bag {bag} exists: choose another folder or delete it")
-    folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(scenario, request, folder, bag)
     total = scenario.duration / TICK_S
     with running_nodes(specs, folder, lambda: progress(0.0)) as running:

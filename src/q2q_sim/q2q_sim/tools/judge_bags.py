@@ -1,6 +1,5 @@
 """Check of recorded flights against the safety policies."""
 
-import json
 import sys
 from argparse import Namespace
 from collections.abc import Mapping
@@ -9,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.documents.json_file import Json, with_nulls
+from q2q_model.documents.json_file import Json, write_json
 from q2q_model.identification.push.recorded_push import CommandedThrust, check_thrust
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.signals.values import TrackStatus
+from q2q_model.writable_places import STDOUT
 from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.monitors.policies import (
     NEEDS,
@@ -58,7 +58,7 @@ def run(args: Namespace) -> int:
         check_thrust(CommandedThrust(str(bag), trace.names, height, trace.thrust), around.vehicle)
         found[str(bag)] = judge_bag(trace, around)
     if args.json:
-        print(json.dumps(with_nulls(as_json(found)), indent=1, allow_nan=False))
+        write_json(as_json(found), STDOUT)
     else:
         for bag, one in found.items():
             print("\n".join(f"{bag}: {line}" for line in one.lines()))

@@ -80,7 +80,6 @@ def notes(flights: Sequence[Reported]) -> list[str]:
 
 def write(flights: Sequence[Reported], out: Path) -> None:
     """Draw the pictures and write the page into a folder: verdict, tables, pictures."""
-    out.mkdir(parents=True, exist_ok=True)
     first = flights[0]
     pictures = _plot_quantities(flights, out)
     parts: list[Part] = [

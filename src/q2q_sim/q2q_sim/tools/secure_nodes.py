@@ -74,7 +74,6 @@ def has_sros2() -> bool:
 
 def make_keystore(keystore: Path, policy: str) -> int:
     """Make keys and signed permissions of a policy; return the exit status of SROS2."""
-    keystore.mkdir(parents=True, exist_ok=True)
     file = keystore / "policy.xml"
     write_text(policy, file)
     words = ["ros2", "security", "generate_artifacts", "-k", str(keystore), "-p", str(file)]

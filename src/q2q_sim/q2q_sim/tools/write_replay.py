@@ -31,7 +31,6 @@ def run(args: Namespace) -> int:
         raise ValueError(f"{len(args.flights)} flights: at most {MOST_RUNS} are replayed side by side")
     topics, names = topic_map(args.topics), distinct_names(args.flights)
     runs = [_run_of(path, name, args, topics) for path, name in zip(args.flights, names, strict=True)]
-    args.out.parent.mkdir(parents=True, exist_ok=True)
     html = replay_html(runs, args.title or " and ".join(one.name for one in runs))
     write_text(html, args.out)
     for one in runs:

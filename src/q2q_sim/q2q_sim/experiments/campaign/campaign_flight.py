@@ -129,7 +129,6 @@ def run_description(run: Run) -> str:
 
 def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> None:
     """Write a run's scenario and the messages of its flight into a folder, replacing older ones."""
-    folder.mkdir(parents=True, exist_ok=True)
     write_scenario(run, folder / f"{run.seed}.yaml")
     write_text(yaml.safe_dump(asdict(run.options)), folder / f"{run.seed}.options.yaml")
     bag = folder / str(run.seed)

@@ -74,7 +74,6 @@ class NodeFlights:
         )
 
     def _flown(self, run: Run) -> tuple[Violation, ...]:
-        self._folder.mkdir(parents=True, exist_ok=True)
         path, options = self._folder / "run.yaml", run.options
         write_scenario(run, path)
         request = FlightRequest(
@@ -102,7 +101,6 @@ class NodeFlights:
         if not request.stack:
             fly(request, folder, bag, lambda _: None)
         else:
-            folder.mkdir(parents=True, exist_ok=True)
             self._resident.fly(node_specs(load_scenario(request), request, folder, bag), folder)
         if unfinished := why_unfinished(bag, folder):
             raise BagError(f"the bag was not finished: {unfinished}")

@@ -81,7 +81,6 @@ def fly_long(
         NodeDiedError, TimeoutError: a node did not start or ended early.
     """
     scenario = load_scenario(request)
-    folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(scenario, request, folder, folder / "bag")
     samples: list[Sample] = []
     with running_nodes(specs, folder) as running:
@@ -109,7 +108,6 @@ def folder_size(folder: Path) -> int:
 
 def write_long_scenario(folder: Path, vehicles: int, duration: float) -> Path:
     """Write the scenario of a long flight; return its file."""
-    folder.mkdir(parents=True, exist_ok=True)
     file = folder / "endurance.yaml"
     write_text(yaml.safe_dump(scenario_of_pairs(vehicles, duration)), file)
     return file

@@ -29,7 +29,6 @@ NOTES = (
 
 def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path) -> Path:
     """Write page and picture of a flight's explanation into a folder; return the page's path."""
-    out.mkdir(parents=True, exist_ok=True)
     picture = save(_bars(found), out / "causes.png")
     rows = [(one.cause, *map(_centimetres, (one.share, one.low, one.high))) for one in found.shares]
     parts: list[Part] = [

@@ -82,7 +82,6 @@ def case_of(run: Run, policies: Iterable[str]) -> Counterexample:
 
 def write_case(case: Counterexample, path: Path) -> None:
     """Write a case file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     write_text(yaml.safe_dump(plain_document(asdict(case)), sort_keys=False), path)
 
 

@@ -62,7 +62,6 @@ def refly_case(args: Namespace) -> int:
     case = read_case(args.case)
     flight = fly_candidate(case.run)
     print("\n".join(map(str, flight.violations)) or f"{args.case}: no violation")
-    args.out.mkdir(parents=True, exist_ok=True)
     page = args.out / f"{args.case.stem}.html"
     write_case_page(case.run, flight.violations, page)
     if page.is_file():

@@ -1,11 +1,10 @@
 """Licence of a program and score of licences: what is flown, reported and written."""
 
-import json
 import math
 from argparse import Namespace
 from pathlib import Path
 
-from q2q_model.documents.json_file import Json
+from q2q_model.documents.json_file import write_json
 from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import vehicles_from_file
 from q2q_sim.experiments.licence.flight_order import Program
@@ -42,9 +41,9 @@ def judge_program(args: Namespace) -> int:
     found = licence(Program(args.script.resolve(), tuple(args.arguments), Path.cwd()), options)
     print(report_text(found))
     if args.json:
-        _write(args.json, _text(licence_json(found)))
+        write_json(licence_json(found), args.json)
     if args.junit:
-        _write(args.junit, junit_xml(found))
+        write_text(junit_xml(found), args.junit)
     if args.out:
         print(f"page: {write_licence_page(found, args.out)}")
     if not found.judged:
@@ -59,19 +58,9 @@ def score_programs(args: Namespace) -> int:
         one = score_program(program, args.jobs, args.seed)
         found.append(one)
         print(f"{one.word}  {program.name}: {one.verdict}", flush=True)
-    document = licence_score_json(found)
     if args.json:
-        _write(args.json, _text(document))
+        write_json(licence_score_json(found), args.json)
     errors = sum(not one.judged for one in found)
     unjudged = f"; not judged, as the simulator failed: {errors}" if errors else ""
     print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly{unjudged}")
     return 0 if all(one.right for one in found) else 1
-
-
-def _text(document: Json) -> str:
-    return json.dumps(document, indent=1) + "\n"
-
-
-def _write(file: Path, text: str) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    write_text(text, file)

@@ -128,7 +128,6 @@ def _valid(text: str) -> str:
 
 def write_licence_page(found: Licence, folder: Path) -> Path:
     """Write the page of a licence into a folder; return its path."""
-    folder.mkdir(parents=True, exist_ok=True)
     rows = [(one.trial.words, one.verdict, "; ".join(one.sentences) or "-") for one in found.flights]
     rows += [(trial.words, "not flown", "no time left") for trial in found.left_out]
     parts: list[Part] = [PageVerdict(verdict_text(found), ok=found.passed), Grid(HEAD, rows)]

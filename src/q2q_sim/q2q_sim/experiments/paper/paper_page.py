@@ -106,7 +106,6 @@ def closeness_sentence(numbers: Sequence[PaperNumber], outcomes: Sequence[Experi
 
 def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:
     """Write index.html into a folder."""
-    out.mkdir(parents=True, exist_ok=True)
     pictures = [Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)]
     cells = without_repeated_notes(table_cells(numbers, outcomes))
     parts: list[Part] = [closeness_sentence(numbers, outcomes), Grid(HEAD, cells), pictures]

@@ -54,7 +54,6 @@ def write_page(
     flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone], air: str, out: Path
 ) -> Path:
     """Draw the pictures into a folder and write the page there; return its path."""
-    out.mkdir(parents=True, exist_ok=True)
     under = [part for one in flights for part in one.under]
     clear = [part for one in flights for part in one.clear]
     targets = (

@@ -136,7 +136,6 @@ def _samples(paths: Sequence[Path], vehicle: Vehicle) -> tuple[dict[str, list[Pu
 
 
 def _save_model(model: ModelFile, out: Path) -> Path:
-    out.mkdir(parents=True, exist_ok=True)
     path = out / "model.q2q"
     save(path, model)
     print(f"model: {path}")
