@@ -27,6 +27,7 @@ from q2q_sim.experiments.ablation.variants import ONBOARD, VARIANTS, Variant, Va
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
 from q2q_sim.monitors.metrics.exposure import exposure
+from q2q_sim.monitors.metrics.flight_metrics import largest, rms
 from q2q_sim.scenarios.scenario import Scenario
 
 COLUMNS = ("under", "clear", "worst")
@@ -87,10 +88,5 @@ def draw_columns(trace: Trace, each: int) -> Array:
     for start in range(0, trace.error.shape[1], each):
         own = slice(start, start + each)
         error, (under, clear) = trace.error[:, own], exposure(trace.pos[:, own], t)
-        worst = float(np.abs(error[under]).max()) if under.any() else np.nan
-        rows.append([_rms(error[under]), _rms(error[clear]), worst])
+        rows.append([rms(error[under]), rms(error[clear]), largest(error[under])])
     return np.array(rows)
-
-
-def _rms(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2))) if error.size else float("nan")

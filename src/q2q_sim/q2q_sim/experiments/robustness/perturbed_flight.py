@@ -29,6 +29,7 @@ from q2q_sim.experiments.robustness.perturbations import (
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.metrics.exposure import exposure
+from q2q_sim.monitors.metrics.flight_metrics import largest, rms
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import with_air, with_firmware
@@ -97,11 +98,8 @@ def draw_errors(flight: Flight, each: int) -> Errors:
     for start in range(0, error.shape[1], each):
         own = slice(start, start + each)
         found.append(error[:, own][exposure(flight.true_pos[:, own], flight.t).under])
-    under = np.concatenate(found)
-    worst = [float(np.abs(draw).max()) if draw.size else np.nan for draw in found]
-    last = error[-round(LEFT / TICK_S) :]
     return Errors(
-        under=float(np.sqrt(np.mean(under**2))) if under.size else float("nan"),
-        worst=float(np.median(worst)),
-        left=float(np.sqrt(np.mean(last**2))),
+        under=rms(np.concatenate(found)),
+        worst=float(np.median([largest(draw) for draw in found])),
+        left=rms(error[-round(LEFT / TICK_S) :]),
     )

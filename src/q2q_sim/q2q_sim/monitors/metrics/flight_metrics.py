@@ -103,14 +103,14 @@ def _vehicle(when: Exposure, error: Array, thrust: Array, lasting: Array, weight
     known, lasting = len(given) > 0, lasting[len(lasting) - len(given) :]
     effort = float(np.sum(given**2 * lasting)) if known else float("nan")
     return VehicleMetrics(
-        z_rmse_m=_rms(error[:, 2]),
-        xy_rmse_m=_rms(np.hypot(error[:, 0], error[:, 1])),
+        z_rmse_m=rms(error[:, 2]),
+        xy_rmse_m=rms(np.hypot(error[:, 0], error[:, 1])),
         u1_energy=effort,
         u1_energy_above_hover=effort - weight**2 * float(np.sum(lasting)),
         u1_max=float(given.max()) if known else float("nan"),
-        under_rms_m=_rms(error[when.under, 2]),
-        clear_rms_m=_rms(error[when.clear, 2]),
-        worst_m=_worst(error[when.under, 2]),
+        under_rms_m=rms(error[when.under, 2]),
+        clear_rms_m=rms(error[when.clear, 2]),
+        worst_m=largest(error[when.under, 2]),
     )
 
 
@@ -121,12 +121,14 @@ def held_thrust(thrust: Array) -> Array:
     return np.asarray(thrust[last[last >= 0]])
 
 
-def _rms(error: Array) -> float:
+def rms(error: Array) -> float:
+    """Return the root mean square of what is known; NaN of nothing."""
     known = error[np.isfinite(error)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
 
 
-def _worst(error: Array) -> float:
+def largest(error: Array) -> float:
+    """Return the largest size of what is known; NaN of nothing."""
     known = error[np.isfinite(error)]
     return float(np.abs(known).max()) if len(known) else float("nan")
 
