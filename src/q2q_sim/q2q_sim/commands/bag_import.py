@@ -20,8 +20,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    for path in args.flight:
-        require_existing("flight", path)
+    require_existing("flight", *args.flight)
     require_existing("column map", args.columns)
     from q2q_sim.tools.import_table import run
 

@@ -70,12 +70,9 @@ def _prepare(after_dashes: list[str], args: Namespace) -> Work:
         raise ValueError(f"--room {args.room}: sizes above 0 m are allowed")
     if not 0.0 < args.limit <= 3000.0:
         raise ValueError(f"--limit {args.limit}: above 0 to 3000 s is allowed")
-    if args.crazyflies:
-        require_existing("file", args.crazyflies)
-    if args.script:
-        require_existing("program", args.script)
-    else:
-        require_existing("folder", args.score)
+    require_existing("file", args.crazyflies)
+    require_existing("program", args.script)
+    require_existing("folder", args.score)
     from q2q_sim.experiments.licence.licence_program import judge_program, score_programs
 
     return judge_program if args.script else score_programs
