@@ -24,8 +24,6 @@ from row import Row
 Capture = pytest.CaptureFixture[str]
 Rows = dict[str, list[tuple[str, float]]]
 """Names and values of each area."""
-Found = tuple[str, float, float | None]
-"""Name of a row, its value here and there."""
 PROGRAM = """import json, sys
 area, _, file = sys.argv[1:]
 rows = {rows}.get(area)

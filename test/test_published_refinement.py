@@ -20,7 +20,6 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Ve
 from q2q_sim.ros.stand_in import NullEntity, StandInNode
 
 NAMES = ("cf1", "cf2")
-ZEROS, STATUS = np.zeros(2), np.zeros(2, dtype=np.uint8)
 LEVEL = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
 LAW = find_model("paper_law")
 

@@ -12,7 +12,6 @@ from q2q_model.vehicle.constants import GRAVITY
 RNG = np.random.default_rng(3)
 DT = 0.01
 """[s]"""
-ONE = np.ones(1, np.bool_)
 
 
 def seen(t: float, height: float, acc: float, fresh: bool = True) -> Measurement:

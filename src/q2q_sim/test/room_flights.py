@@ -26,8 +26,6 @@ PUSH = 2.5 * np.exp(-0.95 * (GAPS[:, None] - 0.4) - 0.5 * (RADII / 0.054) ** 2)
 PUSH[:, -1] = 0.0
 JET = JetTerm(GAPS, RADII, PUSH, upper_ratio=0.02, travel_speed_mps=7.5, carried=0.0, slope=0.0)
 HOVER = CRAZYFLIE_2_0.hover_thrust
-MASS = CRAZYFLIE_2_0.mass
-SMALL = AbsorptionTerm(share=0.05, width_m=0.05)
 WHOLE = RoomAir(
     jet=JET,
     absorption=AbsorptionTerm(0.3, 0.06),

@@ -18,8 +18,6 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 from cflib.crazyflie.commander import Commander
 from cflib.utils.encoding import compress_quaternion, decompress_quaternion
 
-FLOAT32 = 1e-6
-"""Relative error of a 32-bit float."""
 Numbers = tuple[float, ...]
 
 ALIKE = 1.0 - 6 * 0.0007**2
