@@ -1,8 +1,7 @@
 """Simulator and others in a namespace: its start, use_sim_time, and a recorder whose bag is read."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from time import monotonic
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ import rclpy
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from spun_until import spin_until
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagReader, read_flight
@@ -27,8 +27,6 @@ from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator
 
-TIMEOUT_S = 60.0
-"""Three nodes of one process on a busy machine [s]."""
 FRAMES = 20
 
 
@@ -43,13 +41,6 @@ def executor() -> Iterator[Executor]:
             for node in made.get_nodes():
                 node.destroy_node()
             rclpy.try_shutdown()
-
-
-def until(executor: Executor, reached: Callable[[], bool]) -> None:
-    deadline = monotonic() + TIMEOUT_S
-    while not reached():
-        assert monotonic() < deadline
-        executor.spin_once(timeout_sec=0.05)
 
 
 def made(executor: Executor, name: str, **given: object) -> Node:
@@ -69,9 +60,9 @@ def test_a_simulator_under_sim_time_speaks_and_a_namespaced_recorder_keeps_it(
     watcher, seen = made(executor, "watcher"), []
     watcher.create_subscription(MESSAGES[MocapFrame], "mocap", seen.append, TICK, raw=True)
     client = watcher.create_client(Trigger, "simulator/start")
-    until(executor, lambda: client.service_is_ready() and watcher.count_subscribers("/room/mocap") == 2)
+    spin_until(executor, lambda: client.service_is_ready() and watcher.count_subscribers("/room/mocap") == 2)
     client.call_async(Trigger.Request())
-    until(executor, lambda: len(seen) >= FRAMES)
+    spin_until(executor, lambda: len(seen) >= FRAMES)
     simulator.close()
     recorder.close()
     assert list(BagReader(bag).topics) == ["/room/mocap"]
@@ -89,13 +80,13 @@ def test_a_simulator_starts_by_itself_once_the_others_are_connected_and_no_frame
     watcher, frames = made(executor, "watcher"), []
     watcher.create_subscription(MESSAGES[MocapFrame], "mocap", frames.append, TICK, raw=True)
     client = watcher.create_client(Trigger, "simulator/start")
-    until(executor, lambda: client.service_is_ready() and watcher.count_publishers("/room/mocap") == 1)
+    spin_until(executor, lambda: client.service_is_ready() and watcher.count_publishers("/room/mocap") == 1)
     for _ in range(10):
         executor.spin_once(timeout_sec=0.05)
     assert frames == []
     late, seen = made(executor, "late"), []
     late.create_subscription(MESSAGES[MocapFrame], "mocap", seen.append, TICK, raw=True)
     offer_ready(late)
-    until(executor, lambda: bool(seen))
+    spin_until(executor, lambda: bool(seen))
     assert header_stamp_ns(seen[0]) == 0
     simulator.close()

@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from time import monotonic
 
 import pytest
 
@@ -14,6 +13,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from spun_until import spin_until
 from std_srvs.srv import Empty
 
 from q2q_control.failsafe.fallback_params import FallbackParams
@@ -25,8 +25,6 @@ from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 from q2q_sim.processes.domain import own_domain
 
-TIMEOUT_S = 60.0
-"""For processes to start and find each other on a busy machine [s]."""
 WRITER = """
 from rclpy.node import Node
 from q2q_model.signals.cdr.cdr_writer import encode
@@ -71,10 +69,7 @@ class Scene:
 
     def until(self, reached: Callable[[], bool], what: str) -> None:
         """Let callbacks run until something is so."""
-        deadline = monotonic() + TIMEOUT_S
-        while not reached():
-            assert monotonic() < deadline, f"{what}: not within {TIMEOUT_S} s"
-            self._executor.spin_once(timeout_sec=0.05)
+        spin_until(self._executor, reached, what)
 
     def until_flying(self) -> None:
         """Let callbacks run until 20 ticks came."""

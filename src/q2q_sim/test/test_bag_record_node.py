@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from time import monotonic
 
 import pytest
 
@@ -15,6 +14,7 @@ from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rosbags.interfaces import QosReliability
 from rosbags.rosbag2 import Reader
+from spun_until import spin_until
 
 from q2q_model.bag import BagReader
 from q2q_model.node.warm_up import synthetic_signal
@@ -33,8 +33,6 @@ def serialized_at(second: int) -> bytes:
 
 SENT = 3000
 """Half a minute of a topic at 100 Hz, before the first is read."""
-TIMEOUT_S = 60.0
-"""Longest wait for what was sent [s]."""
 
 
 @contextmanager
@@ -60,13 +58,11 @@ def test_messages_that_are_read_late_are_all_in_the_bag(
         executor = make_executor()
         executor.add_node(late)
         writer = writing.create_publisher(SwarmCommand, "command", TICK_WRITER)
-        while writer.get_subscription_count() == 0:
-            executor.spin_once(timeout_sec=0.05)
+        spin_until(executor, lambda: writer.get_subscription_count() > 0)
         for _ in range(SENT):
             writer.publish(SwarmCommand())
-        deadline = monotonic() + TIMEOUT_S
-        while recorder.bag.health.ticks + recorder.bag.health.missed < SENT and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        health = recorder.bag.health
+        spin_until(executor, lambda: health.ticks + health.missed >= SENT)
         recorder.close()
         writing.destroy_node()
     assert sum(1 for _ in BagReader(bag).raw()) == SENT
@@ -80,10 +76,12 @@ def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
         executor = make_executor()
         executor.add_node(node)
         writer = writing.create_publisher(SwarmCommand, "poses", OUTSIDE)
-        deadline = monotonic() + TIMEOUT_S
-        while recorder.bag.health.ticks == 0 and monotonic() < deadline:
+
+        def is_heard() -> bool:
             writer.publish(SwarmCommand())
-            executor.spin_once(timeout_sec=0.05)
+            return recorder.bag.health.ticks > 0
+
+        spin_until(executor, is_heard)
         recorder.close()
         writing.destroy_node()
     assert [one.topic for one in BagReader(bag).raw()][:1] == ["/poses"]
@@ -109,12 +107,10 @@ def test_what_was_latched_before_and_after_the_recorder_began_is_recorded_once(
         writer = writing.create_publisher(SwarmCommand, "map", LATCHED)
         writer.publish(sent[0])
         recorder = recorder or Recorder(node)
-        deadline = monotonic() + TIMEOUT_S
-        while recorder.bag.health.ticks == 0 and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        health = recorder.bag.health
+        spin_until(executor, lambda: health.ticks > 0)
         writer.publish(sent[1])
-        while recorder.bag.health.ticks < len(sent) and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        spin_until(executor, lambda: health.ticks >= len(sent))
         recorder.close()
         writing.destroy_node()
     assert [bytes(one.data) for one in BagReader(bag).raw()] == sent
@@ -129,16 +125,12 @@ def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_
         executor.add_node(node)
         latching = writing.create_publisher(SwarmCommand, "map", LATCHED)
         latching.publish(serialized_at(1))
-        deadline = monotonic() + TIMEOUT_S
-        while recorder.bag.health.ticks == 0 and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        spin_until(executor, lambda: recorder.bag.health.ticks > 0)
         other = writing.create_publisher(SwarmCommand, "map", TICK_WRITER)
-        while 0 in {one.get_subscription_count() for one in (latching, other)} and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        spin_until(executor, lambda: all(one.get_subscription_count() for one in (latching, other)))
         for writer, second in ((latching, 2), (other, 3)):
             writer.publish(serialized_at(second))
-        while recorder.bag.health.ticks < 3 and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        spin_until(executor, lambda: recorder.bag.health.ticks >= 3)
         recorder.close()
         writing.destroy_node()
     stored = [bytes(one.data) for one in BagReader(bag).raw()]

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from time import monotonic
 
 import pytest
 
@@ -11,6 +10,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 import rclpy
 from rclpy.node import Node
+from spun_until import spin_until
 from std_msgs.msg import String
 
 from q2q_model.bag import BagReader, BagWriter, OfferedQos
@@ -23,8 +23,6 @@ from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
 from q2q_sim.ros.bag_record_node import Recorder
 
-TIMEOUT_S = 30.0
-"""Longest wait for a message [s]."""
 STRING = "std_msgs/msg/String"
 SENT = {"/model": (0.0, 1.0), "/room/model": (0.5,), "/map": (0.2,), "/words": (0.0, 1.5)}
 """Topic to the bag times of its messages [s]."""
@@ -69,9 +67,7 @@ def heard_late(playing: Node, topics: Mapping[str, int]) -> dict[str, list[str]]
     executor = make_executor()
     executor.add_node(playing)
     executor.add_node(late)
-    end = monotonic() + TIMEOUT_S
-    while any(len(heard[topic]) < count for topic, count in topics.items()) and monotonic() < end:
-        executor.spin_once(timeout_sec=0.05)
+    spin_until(executor, lambda: all(len(heard[topic]) >= count for topic, count in topics.items()))
     late.destroy_node()
     return heard
 

@@ -1,0 +1,17 @@
+"""Waiting of tests for what callbacks do."""
+
+from collections.abc import Callable
+from time import monotonic
+
+from rclpy.executors import Executor
+
+TIMEOUT_S = 60.0
+"""Longest wait on a busy machine [s]."""
+
+
+def spin_until(executor: Executor, reached: Callable[[], bool], what: str = "what is waited for") -> None:
+    """Let callbacks run until something is so."""
+    deadline = monotonic() + TIMEOUT_S
+    while not reached():
+        assert monotonic() < deadline, f"{what}: not within {TIMEOUT_S} s"
+        executor.spin_once(timeout_sec=0.05)
