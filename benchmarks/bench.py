@@ -6,7 +6,6 @@ Several areas run one after the other, each in a process of its own; one that fa
 values.
 """
 
-import json
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
@@ -20,7 +19,7 @@ from area_process import AreaError, Bench
 from compare_checkout import bench_of, compare_rows, comparison_table, has_area
 from q2q_model.commands.argument_types import add_printed_json, output_folder
 from q2q_model.commands.command_line import CLOSED_OUTPUT, CommandLine
-from q2q_model.documents.json_file import text_stream
+from q2q_model.documents.json_file import text_stream, write_json
 from q2q_model.writable_places import STDOUT
 from row import Row
 
@@ -139,12 +138,8 @@ def _compared(area: str, ours: list[Row], checkout: Path) -> list[Row]:
 
 
 def _write(rows: Sequence[Row], file: Path | None) -> None:
-    text = json.dumps([asdict(row) for row in rows], indent=1)
-    if file == STDOUT:
-        print(text)
-    elif file:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text + "\n")
+    if file:
+        write_json([asdict(row) for row in rows], file)
 
 
 def _run(area: str, plots: Path | None) -> list[Row]:

@@ -14,6 +14,7 @@ from shutil import which
 from tempfile import TemporaryDirectory
 
 from q2q_model.commands.command_line import CommandLine
+from q2q_model.documents.written_file import write_text
 
 EXAMPLE = "  python benchmarks/tick_profile.py stack --out out/stack.svg"
 RATE = 500
@@ -79,8 +80,7 @@ def _profile(way: str, scenario: str, out: Path) -> int:
         except ValueError as empty:
             print(f"tick_profile: {empty}", file=sys.stderr)
             return 1
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(flame_graph(tree, f"{scenario}, {way}: {tree.samples} samples"), encoding="utf-8")
+    write_text(flame_graph(tree, f"{scenario}, {way}: {tree.samples} samples"), out)
     for name, share in busiest(tree)[:SHOWN]:
         print(f"{100 * share:5.1f} %  {name}")
     print(f"flame graph: {out}")
