@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 from time import process_time
 
+from q2q_model.counted import counted
 from q2q_model.documents.json_file import text_stream, write_json
 from q2q_model.geometry.zone import Zone
 from q2q_model.model_files.find_model import find_model
@@ -120,8 +121,7 @@ def run(asked: Namespace) -> int:
 
 def _report(out: Path, made: Planned, words: str) -> None:
     """Print where the plan is, its cost and its proofs; `words` name its zone."""
-    count = len(made.plan.names)
-    print(f"{out}: {count} vehicle{'s' if count > 1 else ''}, {made.plan.duration:g} s")
+    print(f"{out}: {counted(len(made.plan.names), 'vehicle')}, {made.plan.duration:g} s")
     more = f", {made.cost / made.infimum:.4f} times that without avoidance" if made.infimum > 0.0 else ""
     print(f"  snap cost {made.cost:.6g}{more}")
     speed, acceleration, tilt = plan_peaks(made.plan)
