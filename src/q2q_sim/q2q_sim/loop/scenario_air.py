@@ -54,15 +54,21 @@ class AmbientDisturbance:
 
 def ambient_of_air(air: FlownAir, count: int, tick: float, seed: int) -> AmbientDisturbance:
     """Return the disturbance of `count` vehicles in an air; `tick` is the period of its gusts [s]."""
-    own, mean, params = None, STILL, DisturbanceParams()
+    own, mean, params = None, STILL, gusts_of(air)
     if isinstance(air, RoomAir):
         own = air.vehicle
         if air.wind is not None:
             mean = air.wind.mean_mps2
-            params = DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
     drawn = stream(seed, "vehicle offset").standard_normal(count)
     offset = np.zeros(count) if own is None else own.offset_mean_mps2 + own.offset_std_mps2 * drawn
     return AmbientDisturbance(Disturbance(params, count, tick, seed, mean), offset, recorded=True)
+
+
+def gusts_of(air: FlownAir) -> DisturbanceParams:
+    """Return the gusts of an air, without its steady wind."""
+    if not isinstance(air, RoomAir) or air.wind is None:
+        return DisturbanceParams()
+    return DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
 
 
 def ambient_of_scenario(scenario: Scenario, tick: float, seed: int) -> AmbientDisturbance:

@@ -14,7 +14,8 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
-from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
+from q2q_sim.loop.scenario_air import gusts_of
+from q2q_sim.plant.disturbance import Disturbance
 from q2q_sim.plant.swarm import Swarm
 
 
@@ -43,12 +44,6 @@ def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw
         swarm = Swarm(names, vehicle, start, drawn, seed)
         if flight.headroom is not None and isinstance(drawn, RoomAir):
             swarm.air.room.rotor_max[:] = 0.25 * vehicle.hover_thrust * flight.headroom
-        return Draw(swarm, Disturbance(_gusts(drawn), len(names), dt, seed))
+        return Draw(swarm, Disturbance(gusts_of(drawn), len(names), dt, seed))
 
     return make
-
-
-def _gusts(air: FlownAir) -> DisturbanceParams:
-    if not isinstance(air, RoomAir) or air.wind is None:
-        return DisturbanceParams()
-    return DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
