@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from q2q_model import palette
 from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case, Plant
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
-from q2q_sim.experiments.ablation.conclusion import WORST_MM, column
+from q2q_sim.experiments.ablation.conclusion import WORST_MM, median_worst
 from q2q_sim.experiments.ablation.variants import NAMES
 from q2q_sim.report.significant_digits import MM
 
@@ -62,7 +62,5 @@ def _worst(numbers: Numbers, name: str, variant: str, plants: Sequence[Plant]) -
     """Return the median worst error in each air that was flown [mm]."""
     cases = [Case(name, plant) for plant in plants]
     return [
-        MM * float(np.median(column(numbers, case, variant, "worst")))
-        for case in cases
-        if numbers.cell(case, variant) is not None
+        MM * median_worst(numbers, case, variant) for case in cases if numbers.cell(case, variant) is not None
     ]

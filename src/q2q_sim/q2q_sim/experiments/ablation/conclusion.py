@@ -52,7 +52,7 @@ def best_variant(numbers: Numbers, case: Case) -> str:
     """Return the variant that misses the fewest targets; of those, the one with the least worst error."""
 
     def rank(name: str) -> tuple[int, float]:
-        return len(missed_targets(numbers, case, name)), _median_worst(numbers, case, name)
+        return len(missed_targets(numbers, case, name)), median_worst(numbers, case, name)
 
     return min(flown_variants(numbers, case), key=rank)
 
@@ -102,7 +102,8 @@ def millimetres(value: float) -> str:
     return significant_digits(value, 2 if value < 100.0 else 3)
 
 
-def _median_worst(numbers: Numbers, case: Case, variant: str) -> float:
+def median_worst(numbers: Numbers, case: Case, variant: str) -> float:
+    """Return the median worst error of a flown cell [m]."""
     return float(np.median(column(numbers, case, variant, "worst")))
 
 
@@ -112,8 +113,8 @@ def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
     for name in SHOWN:
         own = [case for case in cases if case.name == name]
         if own:
-            worst = _span([MM * _median_worst(numbers, one, best_variant(numbers, one)) for one in own])
-            ignored = _span([MM * _median_worst(numbers, one, "ignoring") for one in own])
+            worst = _span([MM * median_worst(numbers, one, best_variant(numbers, one)) for one in own])
+            ignored = _span([MM * median_worst(numbers, one, "ignoring") for one in own])
             parts.append(f"{worst} mm in `{name}` (ignoring {ignored} mm)")
     others = f" (in the others {', '.join(name for name, _ in best[1:])})" if best[1:] else ""
     rule = "fewest targets missed, of those the least worst error"
