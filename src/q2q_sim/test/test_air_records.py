@@ -78,6 +78,18 @@ def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Re
     assert np.isfinite(record.thrust_ratio[:, 1]).all()
 
 
+def test_a_flight_without_any_thrust_is_left_out_with_the_column_that_it_lacks(flown: Recording) -> None:
+    assert flown.log is not None
+    shown = np.array(flown.log.columns) != "thrust_est"
+    log = replace(flown.log, values=np.where(shown, flown.log.values, np.nan))
+    flight = replace(flown.flight, thrust=np.full_like(flown.flight.thrust, np.nan))
+    records, notes = air_records([Recording(flight, log)], CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    assert not records
+    assert notes[-1] == (
+        "pair has no thrust, which a jet is in proportion to: record command, or thrust_est beside faz_est"
+    )
+
+
 def test_a_log_slower_than_that_of_the_force_is_told(flown: Recording) -> None:
     slow = without(flown, "specific_force_body", slice(None, None, 2))
     (record,), notes = air_records([slow], CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)

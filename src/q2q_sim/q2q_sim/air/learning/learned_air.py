@@ -139,7 +139,7 @@ def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> lis
 def _no_vehicle(records: Sequence[AirRecord], vehicle: Vehicle) -> str:
     mass = hovering_mass(records, vehicle)
     if mass is None:
-        return "too few flights with clear air and an accelerometer"
+        return "too few flights with clear air, an accelerometer and commanded thrust"
     return (
         f"{vehicle.name} weighs {1e3 * vehicle.mass:.1f} g, but the thrust commands of these flights carry "
         f"{1e3 * mass:.1f} g: give the vehicle that was flown (--vehicle)"

@@ -71,7 +71,7 @@ def _offsets(records: Sequence[AirRecord], vehicle: Vehicle) -> Array:
     found = []
     for record in records:
         for i in range(record.vehicles):
-            rows = record.felt[:, i]
+            rows = record.felt[:, i] & np.isfinite(record.command[:, i])
             if rows.sum() >= FEWEST_CLEAR:
                 lift = record.command[rows, i] * record.motion.axis[rows, i, 2] / vehicle.mass
                 found.append(float(np.median(record.specific_force[rows, i, 2] - lift)))

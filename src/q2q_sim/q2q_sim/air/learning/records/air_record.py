@@ -65,7 +65,7 @@ class AirRecord:
     specific_force: Array
     """Accelerometer in the world frame, (a + g e_z) [m/s^2], (T, n, 3)."""
     command: Array
-    """Commanded thrust after the thrust lag [N], (T, n)."""
+    """Commanded thrust after the thrust lag [N], (T, n); NaN of a vehicle without any command."""
     thrust: Array
     """Thrust of the rotors [N], (T, n)."""
     thrust_ratio: Array
@@ -110,7 +110,13 @@ def air_records(
         record = _record(one, vehicle, lag)
         if record is None:
             notes.append(
-                f"{one.flight.name} has no measured push: record imu and command, or faz_est, gap and pwm1-4"
+                f"{one.flight.name} has no measured push: record imu and command, or faz_est, thrust_est, "
+                "gap and pwm1-4"
+            )
+        elif not np.isfinite(record.thrust).any():
+            notes.append(
+                f"{record.name} has no thrust, which a jet is in proportion to: record command, or "
+                "thrust_est beside faz_est"
             )
         elif not record.measured.any():
             notes.append(
@@ -137,7 +143,8 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     if pushes is None:
         return None
     flight, t = one.flight, one.flight.t
-    command = first_order_lag(flight.thrust, t, lag)
+    commanded = np.isfinite(flight.thrust).any(axis=0)
+    command = np.where(commanded, first_order_lag(flight.thrust, t, lag), np.nan)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
     specific_force = rotate(flight.quat, flight.specific_force_body)
     gaps = ~np.isfinite(thrust) | _lost(specific_force) | _lost(flight.gyro_body)
