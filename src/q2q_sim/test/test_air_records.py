@@ -102,12 +102,17 @@ def test_a_flight_without_an_accelerometer_is_measured_by_its_log(flown: Recordi
     assert record_of(without(flown, "specific_force_body", slice(None))).measured.all()
 
 
-def test_terms_of_accelerations_and_rates_are_not_learned_without_them() -> None:
-    jet = wide_jet()
+@pytest.fixture(scope="module")
+def felt() -> list[AirRecord]:
+    """Return flights under the wide jet with motors, accelerations, rates and attitudes."""
     shape = (3000, 2)
     motors = Motors(np.full((*shape, 4), 0.65), np.full(shape, 3.7))
-    made = [flown_under(f"pair{k}", orbit(30.0, (0.6, 1.0), k), Wake(jet), k) for k in range(6)]
-    felt = [replace(one, motors=motors) for one in made]
+    made = [flown_under(f"pair{k}", orbit(30.0, (0.6, 1.0), k), Wake(wide_jet()), k) for k in range(6)]
+    return [replace(one, motors=motors) for one in made]
+
+
+def test_terms_of_accelerations_and_rates_are_not_learned_without_them(felt: list[AirRecord]) -> None:
+    jet = wide_jet()
     blind = [
         replace(one, specific_force=one.specific_force * np.nan, rate_body=one.rate_body * np.nan)
         for one in felt
@@ -121,3 +126,17 @@ def test_terms_of_accelerations_and_rates_are_not_learned_without_them() -> None
         )
         assert [one is not None for one in found] == [known] * 4
     assert rate_load_term(blind, CRAZYFLIE_2_0) is None
+
+
+def test_the_edge_torque_is_learned_from_the_rows_with_an_attitude(felt: list[AirRecord]) -> None:
+    jet, half = wide_jet(), felt[0].quat.shape[0] // 2
+    lost = [replace(one, quat=one.quat.copy()) for one in felt]
+    for one in lost:
+        one.quat[:half] = np.nan
+    whole, part = (edge_torque_term(records, jet, CRAZYFLIE_2_0) for records in (felt, lost))
+    assert whole is not None
+    assert part is not None
+    assert 0 < (part.values[0].rows or 0) < (whole.values[0].rows or 0)
+    assert np.isfinite(part.term.peak_nm)
+    nowhere = [replace(one, quat=one.quat * np.nan) for one in felt]
+    assert edge_torque_term(nowhere, jet, CRAZYFLIE_2_0) is None

@@ -41,7 +41,7 @@ def edge_torque_term(
 ) -> LearnedTerm[EdgeTorqueTerm] | None:
     """Return the torque in addition to that of a load of the rates [N m s].
 
-    None with fewer than FEWEST rows of vehicles with a motor log under one other.
+    None with fewer than FEWEST rows of vehicles with a motor log and an attitude under one other.
     """
     parts = _inner(rows_under_one(records), jet)
     rows = sum(part.rows.size for part in parts)
@@ -68,13 +68,14 @@ def edge_torque_term(
 
 
 def _inner(parts: Sequence[WakeRows], jet: JetTerm) -> list[WakeRows]:
-    """Return the rows as near to the axis as exposed ones, of vehicles whose motors and trim are known."""
+    """Return the rows as near to the axis as exposed ones, with known motors, trim and attitude."""
     found = []
     for part in parts:
         record, i = part.record, part.one.vehicle
         if has_trim(record, i):
             place = jet_place(record, (i, part.sources[0]), part.rows, travel_of(jet))
-            near = (place.radius < UNDER) & (place.gap > LEAST_GAP)
+            turned = np.isfinite(record.quat[part.rows, i]).all(axis=-1)
+            near = (place.radius < UNDER) & (place.gap > LEAST_GAP) & turned
             if near.any():
                 found.append(WakeRows(record, part.one, part.sources, part.rows[near]))
     return found

@@ -124,7 +124,7 @@ def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> lis
         "jet": "too few rows lie under another vehicle",
         "absorption": "too few rows lie under two vehicles",
         "residual": "too few rows lie under another vehicle",
-        "edge_torque": "no log of motor duties and rates under another vehicle",
+        "edge_torque": "too few rows with motor duties, rates and attitude under another vehicle",
         "wind": "too few rows in clear air",
         "rotor_drag": "no vehicle moves in clear air with an accelerometer",
         "rate_load": "no vehicle turns in clear air with a log of motors and rates",
