@@ -53,6 +53,7 @@ def test_a_lone_vehicle_has_plain_columns_and_nothing_where_nothing_is_logged() 
         ({name: values[:1] for name, values in table_columns().items()}, "has 1 row; a flight has 2 or more"),
         ({"t": 10.0 * np.arange(40)}, r"t steps by 10, 0\.5 s is the maximum: is it in seconds\?"),
         ({"cf50_z": np.full(40, 1000.0)}, "x, y, z of cf50 reach 1000 in the median, 50 m is the maximum"),
+        ({"cf50_zref": np.full(40, 1000.0)}, "x, y, z of the reference of cf50 reach 1000 in the median"),
         ({"cf50_x": None, "cf51_x": None}, "neither x, y, z nor <vehicle>_x, _y, _z"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Refusal of flights whose positions are not in metres, as of motion capture that gives millimetres."""
+"""Refusal of flights whose positions or references are not in metres, as of motion capture in millimetres."""
 
 import numpy as np
 
@@ -8,9 +8,10 @@ from q2q_model.signals.values import Array, Names
 
 
 def check_flight_metres(flight: Flight) -> None:
-    """Raise ValueError if positions are not in metres: filtered ones, else those of motion capture."""
+    """Raise ValueError if positions (filtered ones, else motion capture) or references are not in metres."""
     known = np.where(np.isfinite(flight.pos).all(axis=-1, keepdims=True), flight.pos, flight.mocap_pos)
     check_metres(tuple(f"{name} in {flight.name}" for name in flight.names), known)
+    check_metres(tuple(f"the reference of {name} in {flight.name}" for name in flight.names), flight.ref_pos)
 
 
 def check_metres(names: Names, pos: Array) -> None:

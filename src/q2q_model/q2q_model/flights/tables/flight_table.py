@@ -89,6 +89,8 @@ def _check_units(table: FlightTable) -> None:
     if step > LONGEST_STEP:
         raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the maximum: is it in seconds?")
     check_metres(table.names, table.vectors(POS))
+    if table.has(REF):
+        check_metres(tuple(f"the reference of {name}" for name in table.names), table.vectors(REF))
     if table.has(EULER):
         _check_radians(table)
 
