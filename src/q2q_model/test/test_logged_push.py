@@ -88,3 +88,16 @@ def test_a_logged_force_is_compared_with_accelerometer_and_command() -> None:
     assert "positive upwards?" in upside_down
     (small,) = log_notes([logged(0.032, 0.1)], CRAZYFLIE_2_0)
     assert "is 0.10 times what accelerometer and command show, 0.25 to 2 is expected" in small
+
+
+def test_a_duty_at_the_limit_is_saturated_in_single_precision_as_in_double() -> None:
+    one = logged(0.032)
+    assert one.log is not None
+    duties = [0.93, float(np.float32(0.93)), 0.929]  # a log in thousandths
+    values = one.log.values.copy()
+    values[: len(duties), 0, COLUMNS.index("pwm3")] = duties
+    record = push_record(
+        replace(one, log=replace(one.log, values=values)), CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag
+    )
+    assert record is not None
+    assert record.saturated[:, 0].nonzero()[0].tolist() == [0, 1]

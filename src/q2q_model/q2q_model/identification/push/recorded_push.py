@@ -41,7 +41,9 @@ MOST_FORCE = 2.0
 """Bound of what 95 % of the forces in a log differ from their median by, over the weight [-]: 0.03 to 0.3 in
 recorded flights of 34 g, 3.5 to 30 if those are in gram-force."""
 FULL_DUTY = 0.93
-"""Duty above which a motor counts as saturated."""
+"""Duty from which on a motor counts as saturated."""
+DUTY_ROUNDING = 1e-6
+"""What a duty of FULL_DUTY may lack: single precision rounds by 3e-8, and a step of PWM is 1.5e-5."""
 LIGHTEST, HEAVIEST = 0.5, 2.0
 """Bounds of the median thrust in the air, and of the mass of a log, over the vehicle's [-]; 0.92 to 1.3 in
 recorded flights of 34 g."""
@@ -164,7 +166,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float) -> PushR
         motion=motion,
         push=np.where(known, force / mass, 0.0),
         measured=np.asarray((log.column("gap") == 0.0) & known),
-        saturated=np.asarray(motor_duty(log).max(axis=-1) > FULL_DUTY),
+        saturated=np.asarray(motor_duty(log).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
     )
 
 
