@@ -210,3 +210,11 @@ def test_what_never_flies_is_refused(height: float) -> None:
     grounded = replace(flight, mocap_pos=flight.mocap_pos * [1.0, 1.0, height])
     with pytest.raises(ValueError, match=r"flight circle is 0\.0 s more than 0\.3 m above its start; 5 s"):
         recorded_motion(Recording(grounded))
+
+
+def test_quaternions_in_another_order_are_refused() -> None:
+    flight = circle().flight
+    scalar_first = replace(flight, mocap_quat=flight.mocap_quat[..., [3, 0, 1, 2]])
+    says = r"flight circle: body z of cf1 points -1\.00 upwards .* are quaternions in the order x y z w"
+    with pytest.raises(ValueError, match=says):
+        recorded_motion(Recording(scalar_first))

@@ -8,7 +8,7 @@ from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.flights.reference_remarks import reference_remarks
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference
 from q2q_model.flights.unit_check import check_flight_metres
-from q2q_model.geometry.rotations import UP, level_where_unknown, rotate
+from q2q_model.flights.upright_check import body_z, check_upright
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.flown_pieces import (
     common_rows,
@@ -24,8 +24,6 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 STANDING = 0.25
 """Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
 flights, commands in the air are 0.64 or more."""
-LEAST_UP = 0.5
-"""Minimum median of the vertical component of body z [-]: a tilt of 60 degrees."""
 
 
 def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
@@ -70,7 +68,7 @@ def _record_and_reference(flight: Flight, vehicle: Vehicle) -> tuple[AltitudeRec
     pos = np.where(np.isfinite(flight.pos), flight.pos, repaired)
     vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(repaired, flight.t, axis=0))
     t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
-    axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle, placed & given.sure)
+    axis, commanded_acc = body_z(flight), _commanded_acc(flight, vehicle, placed & given.sure)
     pos, vel, axis, ref = (resample(flight.t, values, t) for values in (pos, vel, axis, ref))
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
     record = AltitudeRecord(
@@ -93,25 +91,7 @@ def _record_and_reference(flight: Flight, vehicle: Vehicle) -> tuple[AltitudeRec
     return record, given
 
 
-def check_upright(flight: Flight) -> None:
-    """Raise ValueError if body z of a vehicle does not point up in the median of its flight."""
-    up = _attitude(flight)[..., 2]
-    for i, name in enumerate(flight.names):
-        flies = flight.thrust[:, i] > 0.0
-        median = float(np.median(up[flies, i] if flies.any() else up[:, i]))
-        if median < LEAST_UP:
-            raise ValueError(
-                f"flight {flight.name}: body z of {name} points {median:.2f} upwards in the median, "
-                f"{LEAST_UP:g} or more is expected: are quaternions in the order x y z w, and is z up?"
-            )
-
-
 def _commanded_acc(flight: Flight, vehicle: Vehicle, known: Mask) -> Array:
-    acc = flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY
+    acc = flight.thrust / vehicle.mass * body_z(flight)[..., 2] - GRAVITY
     flies = flight.thrust > STANDING * vehicle.hover_thrust
     return np.asarray(np.where(known & flies, acc, np.nan))
-
-
-def _attitude(flight: Flight) -> Array:
-    quat = np.where(np.isfinite(flight.quat), flight.quat, flight.mocap_quat)
-    return rotate(level_where_unknown(quat), UP)

@@ -19,6 +19,7 @@ from scipy.signal import savgol_filter
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
+from q2q_model.flights.upright_check import check_upright
 from q2q_model.geometry.rotations import (
     UP,
     ang_vel_between,
@@ -89,7 +90,8 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     """Return the motion in a recording of one vehicle.
 
     Raises:
-        ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or too short above FLOOR.
+        ValueError: several vehicles, no attitudes or none that is upright, a rate below SLOWEST_HZ, or too
+            short above FLOOR.
     """
     poses = _dense_poses(recording.flight)
     return _body_motion(recording, poses, in_flight(poses.pos[:, 2]))
@@ -104,6 +106,7 @@ def _dense_poses(flight: Flight) -> _DensePoses:
     there = np.isfinite(flight.mocap_pos[:, 0]).all(axis=1) & np.isfinite(flight.mocap_quat[:, 0]).all(axis=1)
     t = flight.t[there]
     _check_samples(flight.name, t)
+    check_upright(flight)
     at = np.arange(t[0], t[-1] + ROUNDING, DT)
     pos = np.asarray(CubicSpline(t, flight.mocap_pos[there, 0])(at))
     quat = normalised(resample(t, continuous_quats(flight.mocap_quat[there, 0]), at))
