@@ -25,8 +25,8 @@ def test_a_flight_that_goes_as_it_is_sent_is_ok() -> None:
     ("where", "words"),
     [
         ((0.0, 1.0, 0.0), "cf2 hit the floor at 5.6 s"),
-        ((0.0, 0.1, 1.0), "cf1 and cf2 collided at 5.6 s, 0.10 m apart"),
-        ((0.0, 2.7, 1.0), "cf2 left its path at 5.6 s, 1.70 m from its setpoint"),
+        ((0.0, 0.1, 1.0), "cf1 and cf2 collided at 5.6 s, down to 0.10 m apart"),
+        ((0.0, 2.7, 1.0), "cf2 left its path at 5.6 s, up to 1.70 m from its setpoint"),
     ],
 )
 def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, float], words: str) -> None:
@@ -52,10 +52,10 @@ def test_a_failure_that_policies_exempt_does_not_hide_one_that_they_do_not() -> 
     push[T >= 5.9, 1, 2] = -20.0
     away = moved(2.0, 2.5, 1, (0.0, 2.7, 1.0))
     away[(T >= 6.0) & (T < 6.5), 1] = (0.0, 1.0, 2.8)  # further, while its thrust is exceeded
-    said = "cf2 left its path at 6.0 s, 1.80 m from its setpoint"
+    said = "cf2 left its path at 2.0 s, up to 1.80 m from its setpoint"
     assert output(replace(flown(away), true_eta=push)) == said
     away[T < 5.0] = HOVER[0]
-    exempt = "cf2 left its path at 6.0 s, 1.80 m from its setpoint (no command could prevent it: "
+    exempt = "cf2 left its path at 6.0 s, up to 1.80 m from its setpoint (no command could prevent it: "
     assert output(replace(flown(away), true_eta=push)).startswith(exempt)
 
 

@@ -46,7 +46,7 @@ def test_what_is_said_of_a_part_has_the_times_of_the_whole() -> None:
     whole = flown(moved(5.6, 5.8, 1, (0.0, 0.1, 1.0)), status=status)
     part = of_rows(whole, slice(500, None))
     said = (
-        "cf1 and cf2 collided at 5.6 s, 0.10 m apart; commands ended at 8.0 s of 10.0 s; "
+        "cf1 and cf2 collided at 5.6 s, down to 0.10 m apart; commands ended at 8.0 s of 10.0 s; "
         "200 of 500 ticks were missed"
     )
     assert str(verdict_of(part, AROUND, whole=whole)) == said

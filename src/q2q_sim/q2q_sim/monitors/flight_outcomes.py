@@ -2,49 +2,82 @@
 
 They are judged by true positions and by the limits of the policies `separation`, `floor` and
 `setpoint_error` alone. Policies allow for displaced markers, and exempt vehicles that no command can hold:
-what then happens is an outcome all the same, and its words say why policies do not count it.
+what then happens is an outcome all the same, and its words say why policies do not count it. Its time is that
+at which the limit was first exceeded, its size the worst.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
 
 from q2q_sim.monitors.flight_verdict import Finding
-from q2q_sim.monitors.policies import Circumstances, Violation, judge
+from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.floor import floor
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
-from q2q_sim.monitors.policies.separation import separation
-from q2q_sim.monitors.policies.tracking import setpoint_error
+from q2q_sim.monitors.policies.inputs.limits import Limits
+from q2q_sim.monitors.policies.separation import close_pairs, separation
+from q2q_sim.monitors.policies.tracking import setpoint_distances, setpoint_error
 
 IN_FLIGHT = {"separation": separation, "floor": floor, "setpoint_error": setpoint_error}
 """Policies that decide on the outcome of a flight."""
-WORDS = {"separation": "collided", "floor": "hit the floor", "setpoint_error": "left its path"}
 
 EXEMPT = " (no command could prevent it: policies exempt it)"
 DISPLACED = " (a marker was displaced: policies allow for it)"
 """Said of what the policies do not find (q2q_sim.monitors.policies.exemptions)."""
 
 
+class _Outcome(NamedTuple):
+    """Outcome for a vehicle or pair."""
+
+    policy: str
+    who: str
+    what: str
+    t: float
+    """When it began [s]."""
+    size: str = ""
+    """How bad it became, in words."""
+
+
 def outcomes(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
     """Yield collisions, falls and departures from the path; words count time from `begin` [s]."""
-    uncontrollable_too = replace(circumstances, exempts_uncontrollable=False)
-    found = judge(trace, replace(uncontrollable_too, faults=()), IN_FLIGHT)
+    controllable = replace(circumstances, exempts_uncontrollable=False)
+    found = [
+        *_collisions(trace, circumstances.limits),
+        *_falls(trace, replace(controllable, faults=())),
+        *_departures(trace, circumstances.limits),
+    ]
     if not found:
         return
-    judged, in_place = _found_by(trace, circumstances), _found_by(trace, uncontrollable_too)
+    judged, in_place = _found_by(trace, circumstances), _found_by(trace, controllable)
     for one in found:
         of = (one.policy, one.who)
         exempt = "" if of in judged else EXEMPT if of in in_place else DISPLACED
-        yield Finding(one.t, _words(one, begin) + exempt)
+        yield Finding(one.t, f"{one.who} {one.what} at {one.t - begin:.1f} s{one.size}{exempt}")
+
+
+def _collisions(trace: FlightTrace, limits: Limits) -> Iterator[_Outcome]:
+    for (i, j), apart in close_pairs(trace.true_pos, limits.separation):
+        who, first = f"{trace.names[i]} and {trace.names[j]}", int(np.argmax(apart < limits.separation))
+        size = f", down to {np.nanmin(apart):.2f} m apart"
+        yield _Outcome("separation", who, "collided", float(trace.t[first]), size)
+
+
+def _falls(trace: FlightTrace, circumstances: Circumstances) -> Iterator[_Outcome]:
+    for one in floor(trace, circumstances):
+        yield _Outcome("floor", one.who, "hit the floor", one.t)
+
+
+def _departures(trace: FlightTrace, limits: Limits) -> Iterator[_Outcome]:
+    off = setpoint_distances(trace, limits)
+    away = off > limits.setpoint_error_max
+    for row in np.flatnonzero(away.any(axis=0)).tolist():
+        size = f", up to {np.nanmax(off[:, row]):.2f} m from its setpoint"
+        first = float(trace.t[int(np.argmax(away[:, row]))])
+        yield _Outcome("setpoint_error", trace.names[row], "left its path", first, size)
 
 
 def _found_by(trace: FlightTrace, circumstances: Circumstances) -> set[tuple[str, str]]:
     """Return policy and vehicles of what the policies find under some circumstances."""
     return {(one.policy, one.who) for one in judge(trace, circumstances, IN_FLIGHT)}
-
-
-def _words(broken: Violation, begin: float) -> str:
-    text = f"{broken.who} {WORDS[broken.policy]} at {broken.t - begin:.1f} s"
-    if broken.policy == "floor":
-        return text
-    measure = "apart" if broken.policy == "separation" else "from its setpoint"
-    return f"{text}, {broken.value:.2f} m {measure}"

@@ -35,13 +35,19 @@ def separation(trace: FlightTrace, circumstances: Circumstances) -> list[Violati
     moved = marker_displacement(trace, circumstances.faults)
     moved[unpredicted_downwash_lately(trace, circumstances)] = np.inf
     found = []
-    for i, j in np.argwhere(least_distances(pos) < limit).tolist():
-        apart = np.linalg.norm(pos[:, i] - pos[:, j], axis=1) + moved[:, i] + moved[:, j]
+    for (i, j), distance in close_pairs(pos, limit):
+        apart = distance + moved[:, i] + moved[:, j]
         tick = int(np.nanargmin(apart))
         if apart[tick] < limit:
             worst = _Worst(tick, float(apart[tick]), limit)
             found.append(_violation("separation", trace, (i, j), worst))
     return found
+
+
+def close_pairs(pos: Array, limit: float) -> Iterator[tuple[tuple[int, int], Array]]:
+    """Yield each pair i < j that comes closer than `limit` [m], and its distance [m], (T,)."""
+    for i, j in np.argwhere(least_distances(pos) < limit).tolist():
+        yield (i, j), np.asarray(np.linalg.norm(pos[:, i] - pos[:, j], axis=1))
 
 
 def zone(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:

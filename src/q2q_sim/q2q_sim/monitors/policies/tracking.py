@@ -19,19 +19,31 @@ from q2q_sim.monitors.policies.exemptions.sensor_errors import (
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import exempt_lately
 from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.inputs.limits import Limits
 from q2q_sim.monitors.policies.violations import Violation, worst_violations
 
 
 def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles that flew away from their setpoints.
 
-    A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
-    allowed then, and for `settle` after it while it climbs again. A blind vehicle stops, and one that evades
-    it is held back, while their setpoints go on: until `settle` after it, the setpoints since count. A
-    displaced marker displaces the vehicle: the allowed distance grows by as much. An uncontrollable vehicle
+    A displaced marker displaces the vehicle: the allowed distance grows by as much. An uncontrollable vehicle
     sinks: it is not judged until `settle` after it.
     """
-    limits = circumstances.limits
+    off = setpoint_distances(trace, circumstances.limits)
+    off = np.maximum(off - marker_displacement(trace, circumstances.faults), 0.0)
+    limit = circumstances.limits.setpoint_error_max
+    excess = np.where(exempt_lately(trace, circumstances), np.nan, off - limit)
+    return worst_violations("setpoint_error", trace, excess, (off, limit))
+
+
+def setpoint_distances(trace: FlightTrace, limits: Limits) -> Array:
+    """Return how far the vehicles are from their setpoints [m], (T, n).
+
+    A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower
+    does not count then, nor for `settle` after it while it climbs again. A blind vehicle stops, and one that
+    evades it is held back, while their setpoints go on: until `settle` after it, the distance beyond the
+    limit is that from the nearest of the setpoints since.
+    """
     down = sent_down_lately(trace, limits.settle)
     off = _distance(trace.true_pos - trace.sent_pos, down)
     stopped = without_feedback_lately(trace, limits.settle) | evading_lately(trace, limits.settle)
@@ -42,10 +54,7 @@ def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Vio
             apart = _distance(off_by, down[late, None, row])
             apart[late[:, None] < np.arange(begin, end)] = np.inf
             off[late, row] = np.fmin.reduce(apart, axis=1)
-    off = np.maximum(off - marker_displacement(trace, circumstances.faults), 0.0)
-    limit = limits.setpoint_error_max
-    excess = np.where(exempt_lately(trace, circumstances), np.nan, off - limit)
-    return worst_violations("setpoint_error", trace, excess, (off, limit))
+    return off
 
 
 def _distance(off_by: Array, down: Mask) -> Array:
