@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from judged_hover import HOVER, TICKS, T, flown, moved, output
 
+from q2q_model.flights.flight import of_rows
 from q2q_model.signals.values import CommandStatus
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.flight_judgement import verdict_of
@@ -49,3 +50,20 @@ def test_a_collision_has_the_time_of_the_first_contact_and_the_smallest_distance
     near[:, 1, 1] = np.clip(1.0 - 0.2 * (T - 2.0), 0.04, 1.0)
     near[T > 8.0, 1, 1] = 1.0
     assert output(flown(near, near)) == "cf1 and cf2 collided at 6.3 s, down to 0.04 m apart"
+
+
+def test_a_vehicle_that_never_left_the_floor_did_not_take_off() -> None:
+    """Its setpoint exceeds 0.1 m just after 1 s; one that rises later and falls has hit the floor, too."""
+    path = HOVER.copy()
+    path[:, 1, 2] = np.clip(T - 0.9, 0.0, 1.0)
+    grounded = HOVER.copy()
+    grounded[:, 1, 2] = 0.0
+    assert output(flown(grounded, path)) == "cf2 did not take off at 1.0 s"
+    grounded[(T > 4.0) & (T < 6.0), 1, 2] = 1.0
+    assert output(flown(grounded, path)) == "cf2 did not take off at 1.0 s; cf2 hit the floor at 6.0 s"
+
+
+def test_a_part_that_begins_on_the_floor_does_not_show_that_a_vehicle_did_not_take_off() -> None:
+    whole = flown(moved(3.0, 20.0, 1, (0.0, 1.0, 0.0)))
+    part = of_rows(whole, slice(500, None))
+    assert str(verdict_of(part, Circumstances(), whole=whole)) == "cf2 hit the floor at 5.0 s"

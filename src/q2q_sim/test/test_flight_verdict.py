@@ -64,7 +64,7 @@ def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:
     path[:, 1, 2] = np.clip(0.5 * T, 0.0, 1.0)  # a take-off 0.15 m behind its setpoint
     behind = np.maximum(path - [0.0, 0.0, 0.08], 0.0)
     assert output(flown(behind, path)).startswith("ok")
-    assert output(flown(path * [1.0, 1.0, 0.0], path)).startswith("cf1 hit the floor at 0.0 s")
+    assert output(flown(path * [1.0, 1.0, 0.0], path)).startswith("cf1 did not take off at 0.0 s")
 
 
 def test_several_flights_are_reported_in_one_line_by_their_names() -> None:

@@ -1,4 +1,4 @@
-"""Outcomes of a flight: vehicles that collided, hit the floor or left their paths.
+"""Outcomes of a flight: vehicles that collided, did not take off, hit the floor or left their paths.
 
 They are judged by true positions and by the limits of the policies `separation`, `floor` and
 `setpoint_error` alone. Policies allow for displaced markers, and exempt vehicles that no command can hold:
@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_sim.monitors.flight_verdict import Finding
 from q2q_sim.monitors.policies import Circumstances, judge
-from q2q_sim.monitors.policies.floor import floor
+from q2q_sim.monitors.policies.floor import falls, floor
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.inputs.limits import Limits
 from q2q_sim.monitors.policies.separation import close_pairs, separation
@@ -45,7 +45,7 @@ def outcomes(trace: FlightTrace, circumstances: Circumstances, begin: float) -> 
     controllable = replace(circumstances, exempts_uncontrollable=False)
     found = [
         *_collisions(trace, circumstances.limits),
-        *_falls(trace, replace(controllable, faults=())),
+        *_falls(trace, replace(controllable, faults=()), begin),
         *_departures(trace, circumstances.limits),
     ]
     if not found:
@@ -64,9 +64,18 @@ def _collisions(trace: FlightTrace, limits: Limits) -> Iterator[_Outcome]:
         yield _Outcome("separation", who, "collided", float(trace.t[first]), size)
 
 
-def _falls(trace: FlightTrace, circumstances: Circumstances) -> Iterator[_Outcome]:
-    for one in floor(trace, circumstances):
-        yield _Outcome("floor", one.who, "hit the floor", one.t)
+def _falls(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[_Outcome]:
+    """Yield the first fall of each vehicle, and before it that the vehicle did not take off.
+
+    Only a recording from its begin shows that a vehicle on the floor has not flown before.
+    """
+    risen = trace.true_pos[..., 2] > circumstances.limits.take_off
+    for row, ticks in falls(trace, circumstances).items():
+        name, never_rose = trace.names[row], trace.t[0] == begin and not risen[: ticks[0], row].any()
+        if never_rose:
+            yield _Outcome("floor", name, "did not take off", float(trace.t[ticks[0]]))
+        if fallen := ticks[1:] if never_rose else ticks:
+            yield _Outcome("floor", name, "hit the floor", float(trace.t[fallen[0]]))
 
 
 def _departures(trace: FlightTrace, limits: Limits) -> Iterator[_Outcome]:

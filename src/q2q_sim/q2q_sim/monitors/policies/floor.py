@@ -15,7 +15,16 @@ from q2q_sim.monitors.policies.violations import Violation
 
 
 def floor(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
-    """Return the first floor contact of each vehicle that was not commanded to land or cut.
+    """Return the first fall of each vehicle that was not commanded to land or cut."""
+    z, limit = trace.true_pos[..., 2], circumstances.limits.floor
+    return [
+        Violation("floor", trace.names[row], float(trace.t[k]), float(z[k, row]), limit)
+        for row, (k, *_) in falls(trace, circumstances).items()
+    ]
+
+
+def falls(trace: FlightTrace, circumstances: Circumstances) -> dict[int, list[int]]:
+    """Return the ticks at which falls of a vehicle reach the floor, by the row of each that falls.
 
     Take-off and landing are not falls: there the setpoint itself is near the floor. Nor is it a fall that a
     command could prevent if the vehicle is uncontrollable (thrust_exceeded, unpredicted_downwash). A vehicle
@@ -30,11 +39,11 @@ def floor(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
         is_brought = ends_blind_descent(trace, row, int(contact[0]), limits.settle)
         return bool((exempt[contact, row] | (is_brought & sent_down[contact, row])).all())
 
-    return [
-        Violation("floor", name, float(trace.t[k]), float(trace.true_pos[k, row, 2]), limits.floor)
-        for row, name in enumerate(trace.names)
-        for k in [int(one[0]) for one in _contacts(trace, row, limits) if not is_exempt(one, row)][:1]
-    ]
+    found = {
+        row: [int(one[0]) for one in _contacts(trace, row, limits) if not is_exempt(one, row)]
+        for row in range(len(trace.names))
+    }
+    return {row: ticks for row, ticks in found.items() if ticks}
 
 
 def touches_floor(trace: FlightTrace, limits: Limits) -> Mask:
