@@ -9,6 +9,7 @@ from q2q_model.signals.values import (
 )
 from q2q_sim.monitors.policies import (
     judge,
+    policies_without_evidence,
     trace_of,
 )
 
@@ -55,3 +56,13 @@ def test_tilt_counts_roll_and_pitch_together() -> None:
     both = changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27), pitch=with_row(0, 0.27))
     assert broken(both) == {"tilt"}
     assert broken(changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27))) == set()
+
+
+def test_what_is_nan_throughout_was_not_recorded_and_what_is_nan_at_times_is_broken() -> None:
+    """A table without yaw, or without angles, makes such a bag."""
+    everywhere = changed(SwarmCommand, -1.0, 9.0, roll=lambda roll: roll * np.nan)
+    assert broken(everywhere) == set()
+    assert "tilt" in policies_without_evidence(trace_of(map(everywhere, received())))
+    assert broken(changed(SwarmCommand, 0.5, 9.0, roll=lambda roll: roll * np.nan)) == {"numbers"}
+    assert broken(changed(SwarmCommand, -1.0, 9.0, roll=with_row(1, np.nan))) == {"numbers"}
+    assert "numbers" in broken(changed(SwarmCommand, -1.0, 9.0, thrust=lambda thrust: thrust + np.inf))

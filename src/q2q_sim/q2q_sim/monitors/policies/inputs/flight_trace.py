@@ -184,7 +184,10 @@ an age that is infinite means never, a deviation that is NaN unknown, an attitud
 
 
 def _first_not_finite(name: str, topic: Topic) -> str:
-    """Return the first value of a topic that is not finite, else nothing; frames may have NaN."""
+    """Return the first value of a topic that is not finite, else nothing; frames may have NaN.
+
+    An attribute that is NaN throughout was not recorded, as by a table without its columns.
+    """
     signals = topic.signals
     if not signals or isinstance(signals[0], MocapFrame):
         return ""
@@ -192,8 +195,8 @@ def _first_not_finite(name: str, topic: Topic) -> str:
         one = getattr(signals[0], attribute)
         if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
-        refused = _REFUSED.get(attribute, _not_finite)
-        if any(refused(values).any() for values in topic.values(attribute).values()):
+        refused, every = _REFUSED.get(attribute, _not_finite), topic.values(attribute).values()
+        if any(refused(values).any() for values in every) and not all(np.isnan(some).all() for some in every):
             first = next(signal for signal in signals if refused(getattr(signal, attribute)).any())
             return f"{name} at {first.t:.3f} s: {attribute} is not finite"
     return ""
