@@ -39,6 +39,8 @@ class FlightFacts:
     seed: str = ""
     duration: str = ""
     """Length that was to be flown [s]."""
+    faults: str = ""
+    """Faults that the simulator injected, as a list in JSON; [] for none."""
 
     @property
     def flown_air(self) -> str:

@@ -1,10 +1,16 @@
-"""Metadata of a scenario's flight, for its bag, and the scenario that a bag's metadata give."""
+"""Metadata of a scenario's flight, for its bag, and the scenario and faults that a bag's metadata give.
 
+A bag has the faults themselves, since the scenario's file may be changed after the flight.
+"""
+
+import json
 import warnings
 from dataclasses import replace
 from pathlib import Path
 
 from q2q_model.bag import FlightFacts, read_facts
+from q2q_model.documents.plain_values import from_plain, to_plain
+from q2q_model.documents.yaml_text import parse_yaml
 from q2q_model.vehicle.constants import firmware_of, is_named
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
@@ -28,6 +34,7 @@ def scenario_facts(scenario: Scenario, options: BlockChoices, seed: int, name: s
         air=air_description(scenario),
         seed=str(seed),
         duration=repr(scenario.duration).removesuffix(".0"),
+        faults=json.dumps(to_plain(scenario.faults, "faults")),
     )
 
 
@@ -36,8 +43,7 @@ def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
 
     It is as long as the flight was to last, where the metadata say so.
     """
-    files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
-    own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
+    own = library.load(str(_scenario_file(facts, bag) or facts.scenario))
     if facts.wake and (own.air or own.wake != facts.wake):
         own = with_choices(own, "", facts.wake)
     if facts.air and facts.air != air_description(own):
@@ -50,15 +56,30 @@ def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
 
 
 def flown_faults(bag: Path) -> tuple[Fault, ...]:
-    """Return the faults that a bag's scenario injected; none, with a warning, if that cannot be read.
+    """Return the faults that were injected in a bag's flight; none, with a warning, if they cannot be read.
 
-    A bag that names no scenario has none.
+    A bag of older software has those of its scenario, with a warning if a file outside the bag gives it: it
+    may have been changed since. A bag that names no scenario has none.
     """
     facts = read_facts(bag)
-    if not facts.scenario:
-        return ()
     try:
-        return flown_scenario(facts, bag).faults
+        if facts.faults:
+            return from_plain(tuple[Fault, ...], parse_yaml(facts.faults), "faults")
+        return _faults_of_scenario(facts, bag) if facts.scenario else ()
     except ValueError as error:
-        warnings.warn(f"bag {bag}: faults of its scenario are not known: {error}", stacklevel=2)
+        warnings.warn(f"bag {bag}: its faults are not known: {error}", stacklevel=2)
         return ()
+
+
+def _faults_of_scenario(facts: FlightFacts, bag: Path) -> tuple[Fault, ...]:
+    faults, file = flown_scenario(facts, bag).faults, _scenario_file(facts, bag)
+    if file is not None and file.parent != (bag if bag.is_dir() else bag.parent):
+        words = f"the bag does not record its faults: those that {file} has now are assumed"
+        warnings.warn(f"bag {bag}: {words}", stacklevel=3)
+    return faults
+
+
+def _scenario_file(facts: FlightFacts, bag: Path) -> Path | None:
+    """Return the file of a bag's scenario; None if it is none that is found."""
+    files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
+    return next((file for file in files if file.is_file()), None)

@@ -56,7 +56,8 @@ def recorded_case(bag: Path) -> RecordedCase:
             return RecordedCase(case, flight, difference)
     raise ValueError(
         f"{bag}: flown again, a vehicle is {found:.3g} m off its recorded position, at most {SAME} m is"
-        " allowed: only flights in lockstep, by one controller, without --plan avoid, can be explained"
+        " allowed: only flights in lockstep, by one controller, without --plan avoid, whose scenario"
+        " has not been changed, can be explained"
     )
 
 
