@@ -3,7 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from judged_hover import HOVER, TICKS, flown, moved, output
+from judged_hover import AROUND, HOVER, TICKS, flown, moved, output
+
+from q2q_model.flights.flight import of_rows
+from q2q_sim.monitors.flight_judgement import verdict_of
 
 
 def test_what_was_not_recorded_is_not_judged_and_reported() -> None:
@@ -27,6 +30,17 @@ def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> Non
     recorded = flown(true_pos=np.full_like(HOVER, np.nan))
     fallen = replace(recorded, pos=moved(5.6, 5.8, 1, (0.0, 1.0, 0.0)))
     assert output(fallen) == "cf2 hit the floor at 5.6 s"
+
+
+def test_positions_that_nothing_measured_are_called_estimates() -> None:
+    estimated = replace(flown(true_pos=np.full_like(HOVER, np.nan)), pos=HOVER)
+    whether = "measurements (no sample of motion capture recorded: positions are estimates)"
+    assert output(estimated) == f"ok: 10.0 s flown to the end; not judged: {whether}"
+    sample = np.full_like(HOVER, np.nan)
+    sample[:10] = HOVER[:10]
+    assert whether not in output(replace(estimated, mocap_pos=sample))
+    part, whole = of_rows(estimated, slice(100, None)), replace(estimated, mocap_pos=sample)
+    assert whether not in str(verdict_of(part, AROUND, whole=whole))
 
 
 def test_a_vehicle_that_was_never_seen_yet_is_nowhere_and_not_on_the_floor() -> None:

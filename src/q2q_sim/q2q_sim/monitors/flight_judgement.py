@@ -63,7 +63,8 @@ def verdict_of(
         *_missed(trace, missed_ticks),
     ]
     found.sort(key=lambda one: one.t)
-    return FlightVerdict(recorded_duration(flight), tuple(found), tuple(_unjudged(trace, begin)), is_part)
+    unjudged = (*_unjudged(trace, begin), *_unmeasured(whole or flight))
+    return FlightVerdict(recorded_duration(flight), tuple(found), unjudged, is_part)
 
 
 def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:
@@ -108,6 +109,14 @@ def _unjudged(trace: FlightTrace, begin: float) -> Iterator[str]:
         yield "missed ticks (no command recorded)"
     if np.isfinite(trace.true_pos).any():
         yield from _unseen(trace, begin)
+
+
+def _unmeasured(flight: Flight) -> Iterator[str]:
+    """Yield a line if a flight has positions, but none that is true or measured."""
+    if np.isfinite(flight.pos).any() and not (
+        np.isfinite(flight.true_pos).any() or np.isfinite(flight.mocap_pos).any()
+    ):
+        yield "measurements (no sample of motion capture recorded: positions are estimates)"
 
 
 def _unseen(trace: FlightTrace, start: float) -> Iterator[str]:
