@@ -16,6 +16,8 @@ from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.certificate.certificate import as_certified, certify
 from q2q_planner.offline.certificate.certified_file import load_plan
 from q2q_planner.offline.certificate.convex_zone import zone_around, zone_of_profile
+from q2q_planner.offline.certificate.reference_steps import largest_steps
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 ZONE = Cylinder(0.1, 1.1)
@@ -127,18 +129,63 @@ def test_a_plan_whose_reference_jumps_is_refused(tmp_path: Path, *, certified: b
     plan = SwarmPlan(("cf1", "cf2"), (Trajectory(lengths, ends), Trajectory(lengths, ends[::-1])))
     assert certify(plan, ZONE).holds
     shown = as_certified(plan, zone_around(ZONE)) if certified else plan
-    with pytest.raises(ValueError, match=r"cf1 jumps by 1 m, allowed is 0.001 m; write one with"):
+    with pytest.raises(ValueError, match=r"position of cf1 jumps by 1 m, allowed is 0.001 m; write one with"):
         load_plan(written(shown, tmp_path / "plan.json"))
     still = Trajectory(lengths, np.stack([ends[1], ends[1] + 1e-4]))
     assert load_plan(written(SwarmPlan(("cf1",), (still,)), tmp_path / "still.json")).names == ("cf1",)
 
 
+def from_rest(peak: float, pause: float, turn: float) -> SwarmPlan:
+    """Return x = peak (t^2 - t^3 / 3) to 2 s, then x falling alike, turned by `turn` [rad] after 2 s.
+
+    Its velocity is peak (2 t - t^2) [m/s]: a first piece shorter by `pause` [s] does not end at rest.
+    """
+    away = np.zeros((2, 4, 4))
+    away[:, 2, 0] = 1.0
+    away[:, 0, 2:] = [[peak, -peak / 3.0], [-peak, peak / 3.0]]
+    away[1, 3, 0] = turn
+    end = 2.0 - pause
+    away[1, 0, 0] = peak * (end**2 - end**3 / 3.0)
+    return SwarmPlan(("cf1",), (Trajectory(np.array([end, 2.0]), away),))
+
+
+@pytest.mark.parametrize("certified", [True, False])
+def test_a_plan_whose_velocity_or_yaw_jumps_is_refused(tmp_path: Path, *, certified: bool) -> None:
+    """Thrust and tilt are those of the acceleration inside pieces, which a step of the velocity is not in."""
+
+    def read(plan: SwarmPlan) -> SwarmPlan:
+        shown = as_certified(plan, zone_around(ZONE)) if certified else plan
+        return load_plan(written(shown, tmp_path / "plan.json"))
+
+    for plan in (from_rest(0.5, 0.0, 0.0), from_rest(0.5, 0.0, 2.0 * np.pi), from_rest(0.5, 0.0, -0.009)):
+        assert read(plan).names == ("cf1",)
+    with pytest.raises(ValueError, match=r"velocity of cf1 jumps by 0.375 m/s, allowed is 0.01 m/s; write"):
+        read(from_rest(0.5, 0.5, 0.0))  # 0.5 (2 t - t^2) at t = 1.5 s
+    with pytest.raises(ValueError, match=r"yaw of cf1 jumps by 3 rad, allowed is 0.01 rad; write one with"):
+        read(from_rest(0.5, 0.0, -3.0))
+    for first, last in ((0.2, 0.0), (0.0, 0.2)):  # at rest before and after
+        ends = np.zeros((1, 4, 3))
+        ends[0, 0, 1:] = [first, 0.5 * (last - first)]
+        with pytest.raises(ValueError, match=r"velocity of cf1 jumps by 0.2 m/s"):
+            read(SwarmPlan(("cf1",), (Trajectory(np.array([1.0]), ends),)))
+
+
+@pytest.mark.parametrize("reading", ["stop_and_go", "free"])
+def test_plans_of_the_planner_have_no_steps(made: AvoidancePlan, reading: Reading) -> None:
+    """Neighbouring pieces share their nodes' derivatives: what is left is rounding."""
+    points = ((0.0, 0.0, 1.0), (1.0, 2.0, 1.5), (-2.0, 0.5, 0.5), (0.0, 0.0, 1.0))
+    times, yaws = (0.0, 0.5, 7.0, 9.0), (0.0, 1.0, 7.0, -4.0)
+    ways = (Waypoint(t, pos, yaw) for t, pos, yaw in zip(times, points, yaws, strict=True))
+    for curve in (minimum_snap(VehicleWaypoints("cf1", tuple(ways)), reading), *made.plan.trajectories):
+        assert max(largest_steps(curve)) < 1e-9
+
+
 @pytest.mark.parametrize("certified", [True, False])
 def test_a_plan_that_falls_without_thrust_is_refused(tmp_path: Path, *, certified: bool) -> None:
-    """From 2 m with z = 2 - k t^2 / 2 controllers follow a k of up to 0.95 g."""
+    """Controllers follow z = 2 - k (t^2 / 2 - t^3 / 1.5), at rest after 0.5 s, for a k of up to 0.95 g."""
     for k, falls in ((9.0, False), (9.4, True), (10.4, True)):
-        fall = np.zeros((1, 4, 3))
-        fall[0, 2] = [2.0, 0.0, -0.5 * k]
+        fall = np.zeros((1, 4, 4))
+        fall[0, 2] = [2.0, 0.0, -0.5 * k, k / 1.5]
         plan = SwarmPlan(("cf1",), (Trajectory(np.array([0.5]), fall),))
         shown = as_certified(plan, zone_around(ZONE)) if certified else plan
         file = written(shown, tmp_path / "plan.json")

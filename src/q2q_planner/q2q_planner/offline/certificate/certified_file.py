@@ -3,8 +3,9 @@
 A file states that it is certified, for the zone whose profile it has. Its numbers may have been edited since,
 and its checksum written again; the proof of the numbers that are flown cannot be.
 
-A proof is of the reference at every t: over a jump of it, or in a fall without thrust, no vehicle follows, so
-a plan with one is refused.
+A proof is of the reference at every t: over a jump of its position, velocity or yaw, or in a fall without
+thrust, no vehicle follows, so a plan with one is refused (`reference_steps`, `upward_thrust`). It begins and
+ends at rest, as before and after it vehicles rest.
 """
 
 import warnings
@@ -17,11 +18,11 @@ from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import zone_of_profile
-from q2q_planner.offline.certificate.rounding_bound import largest_jump
+from q2q_planner.offline.certificate.reference_steps import Steps, largest_steps
 from q2q_planner.offline.certificate.upward_thrust import least_upward_thrust
 
-JUMP_MAX = 1e-3
-"""Largest jump of a coordinate from one piece to the next [m]: far above rounding, below tracking errors."""
+STEPS_MAX = Steps(pos=1e-3, vel=1e-2, yaw=1e-2)
+"""Largest steps that pass: far above rounding, below tracking errors."""
 
 
 def load_plan(path: Path) -> SwarmPlan:
@@ -56,10 +57,12 @@ def load_plan(path: Path) -> SwarmPlan:
 def _check_continuous(plan: SwarmPlan, path: Path) -> None:
     for name, curve in zip(plan.names, plan.trajectories, strict=True):
         with np.errstate(over="ignore", invalid="ignore"):
-            jump = largest_jump(curve)
-        if not jump <= JUMP_MAX:
-            bound = f"allowed is {JUMP_MAX:g} m"
-            raise ValueError(f"{path}: {name} jumps by {jump:.3g} m, {bound}; {plan_file.REMEDY}")
+            found = largest_steps(curve)
+        words = ("position", "m"), ("velocity", "m/s"), ("yaw", "rad")
+        for step, allowed, (what, unit) in zip(found, STEPS_MAX, words, strict=True):
+            if not step <= allowed:
+                bound = f"allowed is {allowed:g} {unit}; {plan_file.REMEDY}"
+                raise ValueError(f"{path}: the {what} of {name} jumps by {step:.3g} {unit}, {bound}")
 
 
 def _check_thrust(plan: SwarmPlan, path: Path) -> None:

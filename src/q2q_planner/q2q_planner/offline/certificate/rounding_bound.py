@@ -25,6 +25,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.trajectory.polynomials import Trajectory
+from q2q_planner.offline.certificate.reference_steps import largest_steps
 from q2q_planner.offline.certificate.shared_pieces import SAME_TIME, common_cuts
 
 UNIT_ROUNDOFF = 2.0**-53
@@ -69,7 +70,7 @@ def rounding_bound(trajectories: Sequence[Trajectory]) -> float:
         reach = max(_majorant(curve, 0) for curve in trajectories)
         speed = max(_majorant(curve, 1) for curve in trajectories)
         apart = _merged_by(trajectories)
-        jump = max(largest_jump(curve) for curve in trajectories) if apart > 0.0 else 0.0
+        jump = max(largest_steps(curve).pos for curve in trajectories) if apart > 0.0 else 0.0
         off = _gamma(8) * max(curve.duration for curve in trajectories) + apart
         bound = 2.0 * np.sqrt(3.0) * (_gamma(_roundings(order)) * reach + speed * off + jump) + UNDERFLOW
     return float(bound) if np.isfinite(bound) and apart <= SAME_TIME else np.inf
@@ -96,12 +97,3 @@ def _merged_by(trajectories: Sequence[Trajectory]) -> float:
     cuts = common_cuts(trajectories)
     ends = np.concatenate([np.cumsum(curve.durations) for curve in trajectories])
     return float((ends - cuts[np.searchsorted(cuts, ends, side="right") - 1]).max())
-
-
-def largest_jump(curve: Trajectory) -> float:
-    """Return the largest change of a coordinate from one piece to the next [m]."""
-    if len(curve.durations) < 2:
-        return 0.0
-    size = curve.durations[:, None, None] ** np.arange(curve.coefficients.shape[-1])
-    ends = (curve.coefficients * size).sum(-1)  # (pieces, 4)
-    return float(np.abs(ends[:-1, :3] - curve.coefficients[1:, :3, 0]).max())

@@ -1,0 +1,44 @@
+"""Steps of a reference from one piece to the next, and between its ends and the rest before and after.
+
+Thrust and tilt are those of the acceleration inside the pieces, and a step of the velocity is an acceleration
+that is in none of them. The acceleration and the yaw rate may step: bounds of them hold on both sides.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import Trajectory, derive
+
+TURN = 2.0 * np.pi
+"""Yaws that differ by it are one attitude [rad]."""
+
+
+class Steps(NamedTuple):
+    """Largest steps of a trajectory."""
+
+    pos: float
+    """Of a coordinate, from one piece to the next [m]."""
+    vel: float
+    """Of a coordinate's rate, from one piece to the next or between an end and rest [m/s]."""
+    yaw: float
+    """From one piece to the next, less whole turns [rad]."""
+
+
+def largest_steps(curve: Trajectory) -> Steps:
+    """Return the largest steps over all pieces; not finite where numbers overflow."""
+    starts, ends = _at_both_ends(curve, 0)
+    rest = np.zeros((1, 3))
+    start_vel, end_vel = (vel[:, :3] for vel in _at_both_ends(curve, 1))
+    pos = ends[:-1, :3] - starts[1:, :3]
+    vel = np.concatenate([rest, end_vel]) - np.concatenate([start_vel, rest])
+    yaw = np.remainder(ends[:-1, 3] - starts[1:, 3] + 0.5 * TURN, TURN) - 0.5 * TURN
+    return Steps(*(float(np.abs(step).max(initial=0.0)) for step in (pos, vel, yaw)))
+
+
+def _at_both_ends(curve: Trajectory, derivative: int) -> tuple[Array, Array]:
+    """Return a derivative at the start and at the end of every piece, (pieces, 4) each."""
+    derived = derive(curve.coefficients, derivative)
+    powers = curve.durations[:, None, None] ** np.arange(derived.shape[-1])
+    return derived[..., 0], (derived * powers).sum(-1)
