@@ -124,6 +124,24 @@ def test_times_too_unequal_for_the_free_reading_name_the_vehicle_and_the_times()
     minimum_snap(uneven, "stop_and_go")
 
 
+def cost_of(spans: tuple[float, ...]) -> float:
+    """Return the cost of the free reading through 0, 1, 0, 1 .. m on x."""
+    times = np.concatenate([[0.0], np.cumsum(spans)])
+    ways = tuple(Waypoint(float(t), (float(k % 2), 0.0, 1.0)) for k, t in enumerate(times))
+    return snap_cost(minimum_snap(VehicleWaypoints("cf1", ways), "free"))
+
+
+def test_free_times_that_rounding_would_decide_are_refused_and_others_are_exact() -> None:
+    """The costs are those of the optimality system of the coefficients, solved with 50 digits.
+
+    The refused times gave 2e7 times the optimum, 2.21e-6.
+    """
+    with pytest.raises(ValueError, match=r"from 0.01 to 1000 s are too unequal for the reading free"):
+        cost_of((466.26, 0.01, 1000.0))
+    assert cost_of((1.0, 0.1, 30.0)) == pytest.approx(93311.6863698, rel=1e-10)
+    assert cost_of((30.0, 0.1, 0.1, 30.0)) == pytest.approx(3521.00538541, rel=1e-10)
+
+
 def test_cost_is_the_sum_of_those_of_position_and_yaw() -> None:
     turning = VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 0), 0.0), Waypoint(2, (1, 0, 0), 1.0)))
     trajectory = minimum_snap(turning)

@@ -32,6 +32,13 @@ YAW_HALF = 2
 _GROUPS = ((slice(0, 3), POSITION_HALF), (slice(3, 4), YAW_HALF))
 """Columns of a waypoint, and the order of their derivative in the cost."""
 
+LEAST_EIGENVALUE = 1e-10
+"""Smallest eigenvalue of a system with a unit diagonal that is solved [-].
+
+Measured against exact arithmetic: above it costs are within 2e-5 of the optimum, below 1e-12 they are up to
+1e9 times it. Times of a ratio up to 300 in any order have 1e-9 or more.
+"""
+
 Reading = Literal["stop_and_go", "free"]
 
 
@@ -106,10 +113,26 @@ def _free_nodes(values: Array, durations: Array, half: int) -> Array:
     banded, force = _inner_system(energies, values, half)
     from scipy.linalg import solveh_banded  # not needed to fly a finished plan; half a second to import
 
+    _check_conditioned(banded)
     slopes = solveh_banded(banded, force, lower=True)  # (inner (k-1), axes)
     unscale = scale ** -np.arange(1, half, dtype=float)
     nodes[1:-1, :, 1:] = slopes.reshape(inner, half - 1, -1).swapaxes(1, 2) * unscale
     return nodes
+
+
+def _check_conditioned(banded: Array) -> None:
+    """Raise LinAlgError if rounding may decide the solution of a system in lower band storage.
+
+    Cholesky's error is that of the system scaled to a unit diagonal (Demmel, On floating point errors in
+    Cholesky, 1989).
+    """
+    from scipy.linalg import eigvals_banded
+
+    scale = 1.0 / np.sqrt(np.concatenate([banded[0], np.ones(len(banded))]))
+    unit = [row * scale[: row.size] * scale[k : k + row.size] for k, row in enumerate(banded)]
+    least = float(eigvals_banded(np.array(unit), lower=True, select="i", select_range=(0, 0))[0])
+    if not least >= LEAST_EIGENVALUE:
+        raise np.linalg.LinAlgError(f"smallest eigenvalue {least:g}, solved down to {LEAST_EIGENVALUE:g}")
 
 
 def _inner_system(energies: Array, values: Array, half: int) -> tuple[Array, Array]:
