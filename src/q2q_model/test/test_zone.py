@@ -85,6 +85,19 @@ def test_the_downwash_at_the_end_of_a_range_is_that_on_the_axis_there(reach: flo
     assert push_at_range(law) == pytest.approx(on_axis, rel=STEP)  # a step before the end it is 1 % more
 
 
+@pytest.mark.parametrize("reach", [0.35, 0.5698, 0.7, 1.1, 1.1392, 1.1999])
+def test_a_level_set_contains_the_downwash_up_to_the_end_of_a_range(reach: float) -> None:
+    """35 steps of 0.01 are above 0.35 in float64; to half a step of the table elsewhere."""
+    law = Jet(strength=4.0, decay="exponential", width=0.1, spread=0.25, range=reach)
+    zone = level_set(law, 0.2)
+    across, gap = np.meshgrid(np.linspace(0.0, 0.8, 401), np.linspace(reach - 0.02, reach, 41))
+    rel_pos = np.stack([across, 0.0 * gap, gap], axis=-1)
+    pushed = np.abs(law.acceleration(rel_pos, pairs_at_rest(rel_pos))[..., 2]) >= zone.threshold
+    assert zone.signed_distance(rel_pos)[pushed].max() < 0.5 * STEP
+    assert zone.signed_distance(rel_pos)[pushed & (across < 0.05)].max() < 0.0  # below the middle
+    assert reach < zone.d < reach + 2.0 * STEP + 1e-9
+
+
 def test_beyond_its_table_a_level_set_never_claims_more_than_the_true_distance():
     far = np.array([[4.0, 0.0, 0.5], [0.0, 3.0, 6.0], [2.0, 2.0, 9.0]])
     across, gap = np.hypot(far[:, 0], far[:, 1]), far[:, 2]

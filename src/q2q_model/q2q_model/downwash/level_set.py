@@ -7,7 +7,8 @@ crossings of |eta| with the threshold on the edges of a grid. A table holds the 
 to the nearest crossing, and queries interpolate in it. Beyond the table the result is a lower bound,
 hypot(distance to the table, distance at its edge), because L lies inside the table, which is convex.
 
-Crossings are at most a grid step apart, so distances are accurate to half a step.
+Crossings are at most a grid step apart, so distances are accurate to half a step. Where a law
+still exceeds the threshold at the end of its reach, the set ends up to two steps beyond, and never before.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ from q2q_model.signals.values import Array
 
 STEP = 0.01
 """Grid step [m]."""
+
+LAST = STEP * (1.0 - 1e-6)
+"""The first grid point at or beyond the reach is nearer to it than this [m]: a step, less rounding."""
 
 MARGIN = 0.5
 """Extent of the table beyond the law's reach [m]: the distance that planners query."""
@@ -88,21 +92,28 @@ def peak_downwash(model: InteractionModel) -> float:
 
 def push_at_range(model: InteractionModel) -> float:
     """Return the largest downwash of a law at the end of its reach below [m/s^2], where zones end."""
-    strength = _strength(model)
-    last = np.searchsorted(STEP * np.arange(strength.shape[1]), model.reach.vertical, side="right") - 1
-    return float(strength[:, last].max())
+    reach = model.reach.vertical
+    return float(_strength(model)[:, _grid(reach) < reach + LAST].max(axis=0)[-1])
 
 
 def _strength(model: InteractionModel) -> Array:
-    """Return max(|eta(dr)|, |eta(-dr)|) on the grid, zero beyond the law's reach."""
+    """Return max(|eta(dr)|, |eta(-dr)|) on the grid, zero beyond the law's reach.
+
+    The first grid point at or beyond the end of the reach has the value of that end.
+    """
     reach = model.reach
-    across = np.arange(0.0, reach.horizontal + MARGIN + STEP, STEP)
-    gap = np.arange(0.0, reach.vertical + MARGIN + STEP, STEP)
-    rel_pos = np.stack(np.meshgrid(across, [0.0], gap, indexing="ij"), axis=-1)[:, 0]  # (rows, columns, 3)
+    across, gap = _grid(reach.horizontal), _grid(reach.vertical)
+    ends = np.minimum(across, reach.horizontal), [0.0], np.minimum(gap, reach.vertical)
+    rel_pos = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)[:, 0]  # (rows, columns, 3)
     still = pairs_at_rest(rel_pos)
     pushes = [np.linalg.norm(model.acceleration(sign * rel_pos, still), axis=-1) for sign in (1.0, -1.0)]
-    within = (across[:, None] <= reach.horizontal) & (gap <= reach.vertical)
+    within = (across[:, None] < reach.horizontal + LAST) & (gap < reach.vertical + LAST)
     return np.where(within, np.maximum(*pushes), 0.0)
+
+
+def _grid(reach: float) -> Array:
+    """Return the grid points along an axis [m]."""
+    return np.arange(0.0, reach + MARGIN + STEP, STEP)
 
 
 def _crossings(excess: Array) -> Array:
