@@ -30,6 +30,29 @@ def test_a_smooth_flight_has_no_outlier():
     assert not find_outliers(t, pos).any()
 
 
+@pytest.mark.parametrize("rate", [200.0, 100.0, 50.0, 20.0, 12.0, 8.0])
+@pytest.mark.parametrize("speed", [1.0, 2.0, 3.0])
+def test_a_circle_of_1_m_has_no_outlier_at_any_rate(rate: float, speed: float):
+    """In the 50 ms to a neighbour of the median it leaves a line by up to 9 m/s^2 (50 ms)^2 / 2 = 11 mm."""
+    t = np.arange(0.0, 10.0, 1.0 / rate)
+    assert not find_outliers(t, np.stack([np.cos(speed * t), np.sin(speed * t), 0.0 * t], axis=-1)).any()
+
+
+@pytest.mark.parametrize("rate", [100.0, 20.0])
+def test_a_vehicle_that_is_carried_away_is_accepted_after_2_s_at_any_rate(rate: float):
+    t = np.arange(0.0, 10.0, 1.0 / rate)
+    for length, found in ((1.5, round(1.5 * rate)), (2.5, 0)):
+        pos = np.zeros((t.size, 3))
+        pos[t > t[-1] - length] += [3.0, 0.0, 0.0]
+        assert find_outliers(t, pos).sum() == pytest.approx(found, abs=1)  # where the step is, by rounding
+
+
+def test_a_flight_without_samples_or_vehicles_has_no_outlier():
+    assert find_outliers(np.zeros(0), np.zeros((0, 2, 3))).shape == (0, 2)
+    assert find_outliers(np.zeros(0), np.zeros((0, 3))).shape == (0,)
+    assert find_outliers(np.arange(3.0), np.zeros((3, 0, 3))).shape == (3, 0)
+
+
 @given(seeds, st.integers(1, 5), st.floats(0.08, 30.0))
 @settings(max_examples=25, deadline=None)
 def test_a_short_burst_is_found_and_nothing_else(seed: int, length: int, size: float):

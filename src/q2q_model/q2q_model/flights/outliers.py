@@ -14,15 +14,18 @@ Sample k at r_k is an outlier when one of these holds:
     position   |r_k - median of the chain's samples k-w .. k+w| > jump_max
 
 Dynamic programming finds the chain over segments (runs without a forbidden step or a gap). A transition to a
-segment out of reach costs TELEPORT_SAMPLES samples: a vehicle that was carried elsewhere and stays there is
-accepted, a marker swap of a few tenths of a second is not.
+segment out of reach costs the samples of TELEPORT: a vehicle that was carried elsewhere and stays there is
+accepted, a marker swap of a few tenths of a second is not. Both times are rounded to samples; from
+about 10 Hz down w is 0 and the rule of the position is left out, as flight itself is far from a median then.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | r | pos | position [m], world |
 | | pos_max speed_max jump_max | thresholds [m], [m/s], [m] |
-| w | MEDIAN_REACH | half width of the median [samples] |
+| w | MEDIAN_REACH | half width of the median, in samples |
 """
+
+from math import prod
 
 import numpy as np
 
@@ -30,10 +33,10 @@ from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP, Out
 from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.signals.values import Array, Mask, Rows
 
-MEDIAN_REACH = 5
-"""Half width of the median [samples]: robust to bursts of up to 5 samples, 50 ms at 100 Hz."""
-TELEPORT_SAMPLES = 200
-"""Length from which a segment out of reach is accepted [samples]: 2 s at 100 Hz."""
+MEDIAN_REACH = 0.05
+"""Half width of the median [s]: robust to bursts of that length, 5 samples at 100 Hz."""
+TELEPORT = 2.0
+"""Length from which a segment out of reach is accepted [s]."""
 GAP = 1.5
 """Time step from which there is a gap, and a new segment begins [median steps]."""
 SEGMENTS_BACK = 200
@@ -51,7 +54,7 @@ def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = N
         raise ValueError(
             f"t must increase; {t[row + 1]} follows {t[row]}: sort, and drop repeated stamps first"
         )
-    tracks = pos.reshape(len(t), -1, 3)
+    tracks = pos.reshape(len(t), prod(pos.shape[1:-1]), 3)
     found = [_outliers_of_track(t, tracks[:, column], limits) for column in range(tracks.shape[1])]
     return np.stack(found, axis=1).reshape(pos.shape[:-1]) if found else np.zeros(pos.shape[:-1], dtype=bool)
 
@@ -70,14 +73,19 @@ def _outliers_of_track(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
         inside = np.all(np.abs(pos) <= limits.pos_max, axis=-1)
     kept = np.flatnonzero(inside)
     kept = kept[~_old_frames(t[kept], pos[kept], limits)]
-    kept = kept[_on_chain(t[kept], pos[kept], limits)]
-    kept = kept[~_off_median(t[kept], pos[kept], limits)]
+    kept = kept[_on_chain(t[kept], pos[kept], limits, _samples(t, TELEPORT))]
+    kept = kept[~_off_median(t[kept], pos[kept], limits, _samples(t, MEDIAN_REACH))]
     bad = np.ones(len(t), dtype=bool)
     bad[kept] = False
     return bad
 
 
-def _on_chain(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
+def _samples(t: Array, span: float) -> int:
+    """Return how many samples a span of time has [s], rounded; 0 for a single one."""
+    return round(span / float(np.median(np.diff(t)))) if len(t) > 1 else 0
+
+
+def _on_chain(t: Array, pos: Array, limits: OutlierThresholds, teleport: int) -> Mask:
     starts = _segment_starts(t, pos, limits)
     if len(starts) <= 1:
         return np.ones(len(t), dtype=bool)
@@ -88,7 +96,7 @@ def _on_chain(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
         before = np.arange(max(0, here - SEGMENTS_BACK), here)
         step = np.linalg.norm(pos[starts[here]] - pos[ends[before]], axis=-1)
         reach = limits.jump_max + limits.speed_max * (t[starts[here]] - t[ends[before]])
-        gain = best[before] - np.where(step <= reach, 0.0, TELEPORT_SAMPLES)
+        gain = best[before] - np.where(step <= reach, 0.0, teleport)
         choice = int(np.argmax(gain))
         if gain[choice] > 0.0:
             parent[here] = before[choice]
@@ -122,14 +130,14 @@ def _old_frames(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
     return same & np.isin(run, run[:-1][jumps]) & np.isin(run, run[1:][moves])
 
 
-def _off_median(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
-    width = 2 * MEDIAN_REACH + 1
-    if len(t) < width:
+def _off_median(t: Array, pos: Array, limits: OutlierThresholds, reach: int) -> Mask:
+    width = 2 * reach + 1
+    if reach == 0 or len(t) < width:
         return np.zeros(len(t), dtype=bool)
     windows = np.lib.stride_tricks.sliding_window_view(pos, width, axis=0)
     centre = np.median(windows, axis=-1)
     dense = t[width - 1 :] - t[: 1 - width] <= 2.0 * (width - 1) * np.median(np.diff(t))  # not across a gap
     off = np.zeros(len(t), dtype=bool)
-    inner = slice(MEDIAN_REACH, len(t) - MEDIAN_REACH)
+    inner = slice(reach, len(t) - reach)
     off[inner] = dense & (np.linalg.norm(pos[inner] - centre, axis=-1) > limits.jump_max)
     return off
