@@ -6,6 +6,7 @@ those of recorded flights of one controller differ by up to 8 %, more than their
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import gains_from_commands
@@ -32,14 +33,17 @@ def differing_gains(records: Sequence[AltitudeRecord]) -> tuple[FlightGain, Flig
     each = _gains_by_flight(records)
     for symbol in ("K_p", "K_d"):
         own = [one for one in each if one.symbol == symbol]
-        if not own:
-            continue
-        least, most = min(own, key=lambda one: one.gain.high), max(own, key=lambda one: one.gain.low)
-        difference = most.gain.value - least.gain.value
-        larger = max(abs(most.gain.value), abs(least.gain.value))
-        if least.gain.high < most.gain.low and difference > APART * larger:
-            return least, most
+        rising = sorted(own, key=lambda one: one.gain.high)
+        falling = sorted(own, key=lambda one: one.gain.low, reverse=True)
+        for pair in product(rising, falling):  # the pair furthest apart first
+            if _differ(pair[0].gain, pair[1].gain):
+                return pair
     return None
+
+
+def _differ(less: Interval, more: Interval) -> bool:
+    larger = max(abs(more.value), abs(less.value))
+    return less.high < more.low and more.value - less.value > APART * larger
 
 
 def _gains_by_flight(records: Sequence[AltitudeRecord]) -> list[FlightGain]:
