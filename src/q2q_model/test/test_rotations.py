@@ -1,6 +1,7 @@
 """Tests of quaternions and Euler angles against their definitions, for every batch shape."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -44,6 +45,14 @@ def test_euler_angles_survive_the_round_trip(roll: float, pitch: float, yaw: flo
     back = rot.euler_from_quat(rot.quat_from_euler(roll, pitch, yaw))
     # near pitch 1.5 the angles amplify rounding by 1 / cos(1.5)^2 = 200
     assert np.allclose(back, [roll, pitch, yaw], atol=1e-9)
+
+
+@pytest.mark.parametrize("pitch", [0.5 * np.pi, -0.5 * np.pi, 0.5 * np.pi - 1e-9])
+@given(angles, angles)
+def test_straight_up_and_down_euler_angles_are_of_the_same_attitude(pitch: float, roll: float, yaw: float):
+    quat = rot.quat_from_euler(roll, pitch, yaw)
+    again = rot.quat_from_euler(*rot.euler_from_quat(quat))
+    assert np.allclose(rot.matrix_from_quat(again), rot.matrix_from_quat(quat), atol=ROUNDING)
 
 
 @given(seeds)

@@ -84,12 +84,16 @@ def quat_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Array:
 def euler_from_quat(quat: Array) -> Array:
     """Return roll, pitch, yaw [rad], (..., 3), of `quat` (..., 4).
 
-    Roll and yaw lie in (-pi, pi], pitch in [-pi/2, pi/2]; at pitch = +-pi/2 only roll -+ yaw is defined.
+    Roll and yaw lie in [-pi, pi), pitch in [-pi/2, pi/2]; at pitch = +-pi/2 only roll -+ yaw is defined. Of
+    (w - y, x + z) and (w + y, x - z) the lengths are cos(pitch/2) -+ sin(pitch/2), the angles half the sum
+    and half the difference of roll and yaw.
     """
     x, y, z, w = _parts(quat)
-    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
-    return np.stack([roll, pitch, yaw_from_quat(quat)], axis=-1)
+    half_sum, half_difference = np.arctan2(x + z, w - y), np.arctan2(x - z, w + y)
+    pitch = 2.0 * np.arctan2(np.hypot(x - z, w + y), np.hypot(x + z, w - y)) - 0.5 * np.pi
+    turn = np.stack([half_sum + half_difference, half_sum - half_difference], axis=-1)
+    roll_yaw = np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
+    return np.stack([roll_yaw[..., 0], pitch, roll_yaw[..., 1]], axis=-1)
 
 
 def yaw_from_quat(quat: Array) -> Array:
