@@ -87,14 +87,17 @@ def test_vehicles_moved_into_their_zone_do_not_pass_with_a_new_checksum(
 
 
 def test_a_dent_in_the_zone_does_not_pass(made: AvoidancePlan, tmp_path: Path) -> None:
-    """Distances to a profile that is not convex would be too large."""
+    """Distances to a profile that is not convex would be too large, to one without a face wrong."""
     dents = ([[0.1, 0.5], [0.01, 0.6], [0.1, 1.1]], [[0.1, 1.1], [0.1, 0.2]], [[0.0, 0.0]], [[1e-9, 1e-9]])
-    for number, profile in enumerate(dents):
+    flat = ([[0.0, 0.4]], [[0.4, 0.0]], [[0.0, 0.2], [0.0, 0.4]])
+    for number, profile in enumerate((*dents, *flat)):
         file = tmp_path / f"{number}.json"
         written(made.plan, file, lambda document, own=profile: document.update(zone_profile_m=own))
         with pytest.raises(ValueError, match=rf"{number}\.json is not a certified plan: the profile of the"):
             load_plan(file)
-    with pytest.raises(ValueError, match="the profile of the zone has no edge longer than 1e-09 m"):
+    with pytest.raises(ValueError, match=r"reaches 0 m across and 0.4 m up: both.* longer than 1e-09 m"):
+        zone_of_profile(flat[0])
+    with pytest.raises(ValueError, match=r"the profile of the zone reaches 0 m across and 0 m up"):
         zone_of_profile([])
     for number, wrong in enumerate(([[0.1]], [[-0.1, 1.0]], [["a", 1.0]], [[0.1, float("nan")]], 3)):
         file = tmp_path / f"wrong_{number}.json"

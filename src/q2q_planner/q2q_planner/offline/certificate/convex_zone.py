@@ -128,14 +128,16 @@ def zone_around(zone: Zone) -> ConvexZone:
 
 
 def zone_of_profile(corners: Sequence[tuple[float, float]]) -> ConvexZone:
-    """Return the ConvexZone of a profile from elsewhere.
+    """Return the ConvexZone of a profile from elsewhere, corners (radius, height).
 
     Raises:
-        ValueError: no edge, or corners (radius, height) not in the order of a convex first quadrant.
+        ValueError: no radius, no height, or corners not in the order of a convex first quadrant.
     """
     made = ConvexZone(np.array(corners, dtype=np.float64).reshape(-1, 2))
-    if not made.profile.any() or not (step := made._edges()[1]).size:  # noqa: SLF001
-        raise ValueError(f"the profile of the zone has no edge longer than {SHORTEST_EDGE:g} m")
+    across, up = made.profile.max(axis=0, initial=0.0)
+    if not min(across, up) > SHORTEST_EDGE or not (step := made._edges()[1]).size:  # noqa: SLF001
+        size = f"the profile of the zone reaches {across:g} m across and {up:g} m up"
+        raise ValueError(f"{size}: both, and one edge, must be longer than {SHORTEST_EDGE:g} m")
     along = step / np.hypot(step[:, 0], step[:, 1])[:, None]
     turns = along[:-1, 0] * along[1:, 1] - along[:-1, 1] * along[1:, 0]
     if (along[:, 0] > BENT).any() or (along[:, 1] < -BENT).any() or (turns < -BENT).any():
