@@ -5,9 +5,10 @@
                 low_k <= u_k <= high_k,   |u_k - a_k| <= slew_max
 
 Each input has an axis of three states: position, velocity, and the acceleration a that follows the input with
-a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S penalises jerk. Everything is
-block diagonal over the axes but G_k, by which the positions E x of all axes push each one. The A of an axis
-is an upper triangle whose first two diagonal entries are 1.
+a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S penalises jerk. Where the
+acceleration is so far outside low and high that both bounds cannot hold, that of the rate yields. Everything
+is block diagonal over the axes but G_k, by which the positions E x of all axes push each one. The A of an
+axis is an upper triangle whose first two diagonal entries are 1.
 
 Problem and solution are NamedTuples, which compiled code can take.
 
@@ -73,7 +74,11 @@ class LqSolution(NamedTuple):
     """Bound of each input (q2q_control.mpc.solver.active_set), (N, n): the next solve's warm start."""
     iterations: int
     converged: bool
-    """False: the inputs keep all bounds but are not optimal."""
+    """False: the inputs keep all bounds but are not optimal.
+
+    True: the optimum, unless the rate's bound yields at a stage. Where low or high change from stage to
+    stage, inputs that change earlier might keep all bounds then; they are not looked for.
+    """
 
 
 def dense_matrices(problem: LqProblem) -> Array:

@@ -24,7 +24,10 @@ _TOLERANCE = 1e-9
 
 @compiled(**FAST)
 def input_range(problem: LqProblem, k: int, c: int, acc: float) -> tuple[float, float]:
-    """Return the range of an input at acceleration `acc`; low and high take precedence over the rate."""
+    """Return the range of an input at acceleration `acc`.
+
+    It is the nearer of low and high where the rate leads to neither: its bound yields (LqSolution.converged).
+    """
     low, high = problem.low[k, c], problem.high[k, c]
     return min(max(low, acc - problem.slew_max[c]), high), max(min(high, acc + problem.slew_max[c]), low)
 
