@@ -48,8 +48,8 @@ class ProcedureServices:
         self._node = node
         self._flight = PilotedFlight(names, executor, TrajectoryClient(node), params)
         self._status = node.create_publisher(DiagnosticStatus, STATUS_TOPIC, LATCHED)
-        self._services: dict[Call | Act, LateReplyService] = {
-            call: LateReplyService(node, f"~/{call.value}", partial(self._call, call)) for call in Call
+        self._services: dict[Call | Act, list[LateReplyService]] = {
+            call: [LateReplyService(node, f"~/{call.value}", partial(self._call, call))] for call in Call
         }
         node.create_subscription(Plan, NEXT_PLAN, self._take_plan, LATCHED)
         steady_timer(node, PERIOD_S, self._update)
@@ -77,9 +77,15 @@ class ProcedureServices:
 
     def offer(self, name: str, act: Act) -> None:
         """Offer one act of the executor as a service, while vehicles stand on the ground."""
-        self._services[act] = LateReplyService(
+        service = LateReplyService(
             self._node, f"~/{name}", lambda: self._flight.begin_single(act, name, monotonic())
         )
+        self._services[act] = [service]
+
+    def offer_also(self, name: str, call: Call) -> None:
+        """Offer a call by another name, too."""
+        service = LateReplyService(self._node, f"~/{name}", partial(self._call, call))
+        self._services[call].append(service)
 
     def emergency(self) -> None:
         """Stop all motors and lock them."""
@@ -115,7 +121,8 @@ class ProcedureServices:
         for line in self._flight.log_lines():
             self._node.get_logger().info(line)
         for request, reply in self._flight.replies():
-            self._services[request].answer(reply)
+            for service in self._services[request]:
+                service.answer(reply)
         status = self._flight.new_status()
         if status is not None:
             self._status.publish(_status_message(self._node.get_fully_qualified_name(), status))

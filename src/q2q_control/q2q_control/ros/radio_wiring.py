@@ -3,9 +3,10 @@
 from time import monotonic, sleep
 
 from rclpy.node import Node
-from std_srvs.srv import Empty, Trigger
+from std_srvs.srv import Empty
 
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.steps import Call
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_vehicles import WATCH_S, RadioVehicles
@@ -47,7 +48,7 @@ class RadioNode:
         self._services.refuse_flights(self._conflicts)
         self._vehicles.ticks.procedure = self._services
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)
-        node.create_service(Trigger, "~/stop", self._on_stop)
+        self._services.offer_also("stop", Call.EMERGENCY)
         steady_timer(node, WATCH_S, self._watch)
         if params.mode == "setpoint":
             node.create_service(Empty, EMERGENCY, self._on_emergency)
@@ -81,9 +82,4 @@ class RadioNode:
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         self._services.emergency()
-        return response
-
-    def _on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._services.emergency()
-        response.success, response.message = True, "motors stopped; restart the vehicles"
         return response
