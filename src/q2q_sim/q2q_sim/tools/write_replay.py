@@ -9,6 +9,7 @@ import numpy as np
 from q2q_model.bag import BagReader, FlightFacts, TopicMap, read_facts
 from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight, of_rows
+from q2q_model.flights.frame_notes import frame_notes
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.identification.push.recorded_push import check_weight, push_record
@@ -45,9 +46,9 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     is_table = path.suffix in TABLES and path.is_file()
     recording = recording_of_table(path) if is_table else recording_of_bag(path, topics)
     flown = _vehicle(path, args.vehicle, is_table=is_table)
-    if flown.note:
-        print(f"replay_page: {flown.note}", file=sys.stderr)
     whole = recording.flight
+    for note in filter(None, (flown.note, *frame_notes(whole))):
+        print(f"replay_page: {note}", file=sys.stderr)
     check_weight(whole, flown.vehicle)
     part = part_of_flight(whole, args.start, args.end)
     around = Circumstances(vehicle=flown.vehicle, faults=flown_faults(path))
