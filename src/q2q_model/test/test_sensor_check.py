@@ -66,7 +66,9 @@ def test_a_mass_that_no_vehicle_has_is_told_what_can_be_done() -> None:
 def test_gravity_counted_twice_or_not_at_all_is_reported(offset: float):
     (note,) = sensor_notes([with_force(made_flight(MADE), 1.0, offset)], CRAZYFLIE_2_0)
     assert number(r"is (\S+) m/s", note) == pytest.approx(offset, abs=0.1)  # the gusts
+    assert number(r"the accelerometer reads (\S+) m/s", note) == pytest.approx(GRAVITY + offset, abs=0.1)
     assert "9.81 m/s^2 upwards at rest" in note
+    assert not any(word in note for word in ("weighs", "carries", "scale"))  # the mass is right
 
 
 @pytest.mark.filterwarnings("error")

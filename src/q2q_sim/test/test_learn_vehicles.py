@@ -9,12 +9,12 @@ from synthetic_air import MASS, orbit, still_record
 
 from q2q_model.identification.push.recorded_push import FULL_DUTY
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 from q2q_sim.air.learning.records.motor_curve import USUAL_POWER, motor_curves, usual_power
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
-from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
+from q2q_sim.air.learning.vehicle_term import accelerometer_reason, hovering_mass, vehicle_term
 
 
 def test_the_load_of_the_rotors_is_found_from_what_the_motors_do_in_clear_air() -> None:
@@ -113,6 +113,18 @@ def test_vehicles_of_another_weight_give_no_vehicle_term() -> None:
     light = replace(CRAZYFLIE_2_0, mass=0.8 * MASS)
     assert vehicle_term(records, light) is None
     assert hovering_mass(records, light) == pytest.approx(MASS)
+
+
+@pytest.mark.parametrize("gravities", [0.0, 1.0, 2.0])
+def test_an_accelerometer_with_gravity_twice_or_without_it_is_named(gravities: float) -> None:
+    still = still_record("hover", orbit(10.0, (0.6, 1.0), 1))
+    clear = np.ones_like(still.clear)
+    record = replace(still, specific_force=gravities * still.specific_force, clear=clear)
+    reason = accelerometer_reason([record])
+    if gravities == 1.0:
+        assert reason == ""
+    else:
+        assert reason.startswith(f"the accelerometer reads {gravities * GRAVITY:.2f} m/s^2 upwards: record")
 
 
 def test_offset_lag_and_headroom_of_the_vehicles_are_found() -> None:

@@ -28,7 +28,7 @@ def log_mass_notes(recordings: Sequence[Recording], vehicle: Vehicle) -> list[st
         notes.append(
             f"{RATIO} of {counted(len(wrong), 'flight')} is {float(np.median(wrong)):.3g} kg, allowed is "
             f"{LIGHTEST:g} to {HEAVIEST:g} times the mass of {vehicle.name}: {_assumed(vehicle)}; "
-            "are both in newtons, and the accelerometer in m/s^2?"
+            "are both in newtons, and is the accelerometer in m/s^2, az without gravity?"
         )
     return notes
 

@@ -27,6 +27,9 @@ MOST_OFFSET = 0.1 * GRAVITY
 """Largest offset of a vehicle of the given mass [m/s^2]: at most 0.67 in recorded flights of 34 g."""
 SLOPES = (0.7, 1.3)
 """Bounds of the slope [-]: the lines of recorded flights enclose some slope of 0.9 to 1.1."""
+OFF_GRAVITY = 0.5 * GRAVITY
+"""Difference of the accelerometer from g in clear air from which it is wrong, not the mass [m/s^2]: without
+gravity, with it twice or in units of g it is off by 0.9 g or more."""
 CORRELATED = 25
 """Rows that count as one: at 100 Hz a quarter of a second, over which gusts and their answers last."""
 
@@ -37,6 +40,8 @@ class _Agreement:
 
     offset: float
     """[m/s^2]"""
+    felt: float
+    """Median of the accelerometer, upwards [m/s^2]."""
     slopes: tuple[float, float]
     """Slopes of both regression lines [-]."""
 
@@ -44,24 +49,36 @@ class _Agreement:
 def sensor_notes(flights: Sequence[Flight], vehicle: Vehicle) -> list[str]:
     """Return notes on vehicles whose accelerometer contradicts the commands for `vehicle`."""
     found = [one for flight in flights for one in _agreements(flight, vehicle)]
-    shifted = [one.offset for one in found if abs(one.offset) > MOST_OFFSET]
+    shifted = [one for one in found if abs(one.offset) > MOST_OFFSET]
     scaled = [one.slopes for one in found if one.slopes[1] < SLOPES[0] or one.slopes[0] > SLOPES[1]]
     return _shift_note(shifted, len(found), vehicle) or _scale_note(scaled, len(found))
 
 
-def _shift_note(shifted: Sequence[float], count: int, vehicle: Vehicle) -> list[str]:
+def _shift_note(shifted: Sequence[_Agreement], count: int, vehicle: Vehicle) -> list[str]:
     if not shifted:
         return []
-    offset = float(np.median(shifted))
+    offset, felt = np.median([(one.offset, one.felt) for one in shifted], axis=0).tolist()
     carried = vehicle.mass * (1.0 - offset / GRAVITY)
+    cause = gravity_reason(felt) or (
+        f"{vehicle.name} weighs {1e3 * vehicle.mass:.1f} g, and the thrust carries {1e3 * carried:.1f} g: "
+        f"{mass_remedy(carried, vehicle)}"
+    )
     return [
         (
             f"accelerometer less thrust / mass is {offset:.2f} m/s^2 in clear air for {len(shifted)} of "
-            f"{count} vehicles of flights, at most {MOST_OFFSET:.2f} is expected: {vehicle.name} weighs "
-            f"{1e3 * vehicle.mass:.1f} g, and the thrust carries {1e3 * carried:.1f} g: "
-            f"{mass_remedy(carried, vehicle)}, or record the specific force, 9.81 m/s^2 upwards at rest"
+            f"{count} vehicles of flights, at most {MOST_OFFSET:.2f} is expected: {cause}"
         )
     ]
+
+
+def gravity_reason(felt: float) -> str:
+    """Return why an accelerometer is wrong that reads `felt` [m/s^2] in clear air; empty if that may be g."""
+    if abs(felt - GRAVITY) < OFF_GRAVITY:
+        return ""
+    return (
+        f"the accelerometer reads {felt:.2f} m/s^2 upwards: record the specific force, {GRAVITY:.2f} m/s^2 "
+        "upwards at rest; az of a table is without gravity, 0 at rest"
+    )
 
 
 def mass_remedy(carried: float, vehicle: Vehicle) -> str:
@@ -100,7 +117,11 @@ def _agreements(flight: Flight, vehicle: Vehicle) -> list[_Agreement]:
     felt = found.specific_force
     lift = felt - record.push
     return [
-        _Agreement(float(np.median(record.push[rows, i])), _slopes(lift[rows, i], felt[rows, i]))
+        _Agreement(
+            float(np.median(record.push[rows, i])),
+            float(np.median(felt[rows, i])),
+            _slopes(lift[rows, i], felt[rows, i]),
+        )
         for i, rows in enumerate(free)
         if rows.sum() >= FEWEST_FREE
     ]

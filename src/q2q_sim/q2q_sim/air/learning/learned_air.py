@@ -24,7 +24,7 @@ from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm
-from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
+from q2q_sim.air.learning.vehicle_term import accelerometer_reason, hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import RoomAir
 
@@ -90,7 +90,8 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         intervals={one.path: ends for one in values if (ends := one.ends)},
     )
     absent = _absent(records, air, vehicle)
-    return LearnedAir(air, values, wakes.checks, (*notes, *absent), doubts(values, wakes.checks))
+    doubted = (*doubts(values, wakes.checks), *filter(None, [accelerometer_reason(records)]))
+    return LearnedAir(air, values, wakes.checks, (*notes, *absent), doubted)
 
 
 def _wakes(
@@ -138,6 +139,8 @@ def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> lis
 
 def _no_vehicle(records: Sequence[AirRecord], vehicle: Vehicle) -> str:
     mass = hovering_mass(records, vehicle)
+    if reason := accelerometer_reason(records):
+        return reason
     if mass is None:
         return "too few flights with clear air, an accelerometer and commanded thrust"
     return (

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams
+from q2q_model.identification.push.sensor_check import gravity_reason
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.air_terms import VehicleTerm
@@ -65,6 +66,17 @@ def hovering_mass(records: Sequence[AirRecord], vehicle: Vehicle) -> float | Non
     """Return the mass that the thrust commands carry in clear air [kg], None if unknown."""
     offsets = _offsets(records, vehicle)
     return float(vehicle.mass * (1.0 - offsets.mean() / GRAVITY)) if offsets.size >= FEWEST else None
+
+
+def accelerometer_reason(records: Sequence[AirRecord]) -> str:
+    """Return why the accelerometer is wrong, by its median in clear air; empty if it may be right."""
+    found = [
+        float(np.median(record.specific_force[rows, i, 2]))
+        for record in records
+        for i, rows in enumerate(record.felt.T)
+        if rows.sum() >= FEWEST_CLEAR
+    ]
+    return gravity_reason(float(np.median(found))) if found else ""
 
 
 def _offsets(records: Sequence[AirRecord], vehicle: Vehicle) -> Array:
