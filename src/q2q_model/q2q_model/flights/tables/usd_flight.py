@@ -4,7 +4,8 @@ One broadcast starts logging in all vehicles, so their clocks are joined there: 
 start of logging are common already; of others, which count from each vehicle's own switching on, each begins
 at its first row. Rows are interpolated from the first to the last row that all vehicles have, to 100 Hz, or,
 if all logs are slower than 40 Hz, to the whole multiple of 10 ms nearest to the period of the fastest. What
-lies in a hole of a log, HOLE_PERIODS of its own, is marked in the column `gap`.
+lies in a hole of a log, HOLE_PERIODS of its own, is marked in the column `gap`; the rows at its ends are
+not.
 """
 
 from collections.abc import Iterable, Mapping
@@ -128,5 +129,7 @@ def _step(period: float) -> float:
 
 def _gap(t: Array, clock: Array) -> dict[str, Array]:
     after = np.clip(np.searchsorted(clock, t), 1, len(clock) - 1)
-    steps = clock[after] - clock[after - 1]
-    return {"gap": (steps > HOLE_PERIODS * _period(clock)).astype(np.float64)}
+    before, period = after - 1, _period(clock)
+    on_row = np.minimum(np.abs(t - clock[before]), np.abs(clock[after] - t)) <= ROUNDING * period
+    hole = clock[after] - clock[before] > HOLE_PERIODS * period
+    return {"gap": (hole & ~on_row).astype(np.float64)}
