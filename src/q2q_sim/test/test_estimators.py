@@ -218,3 +218,12 @@ def test_quaternions_in_another_order_are_refused() -> None:
     says = r"flight circle: body z of cf1 points -1\.00 upwards .* are quaternions in the order x y z w"
     with pytest.raises(ValueError, match=says):
         recorded_motion(Recording(scalar_first))
+
+
+def test_poses_without_attitudes_are_refused_with_what_they_lack() -> None:
+    flight = circle().flight
+    unturned = replace(flight, mocap_quat=np.full_like(flight.mocap_quat, np.nan))
+    with pytest.raises(
+        ValueError, match=r"flight circle has no attitudes: record them, in a table as qx, qy"
+    ):
+        recorded_motion(Recording(unturned))

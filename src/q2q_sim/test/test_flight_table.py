@@ -50,6 +50,10 @@ def test_a_lone_vehicle_has_plain_columns_and_nothing_where_nothing_is_logged() 
         ({"t": None}, "has no column t"),
         ({"t": np.zeros(40)}, "must begin at 0 or later and increase; row 1 of 40"),
         ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
+        (
+            {name: values[:0] for name, values in table_columns().items()},
+            "has 0 rows; a flight has 2 or more",
+        ),
         ({name: values[:1] for name, values in table_columns().items()}, "has 1 row; a flight has 2 or more"),
         ({"t": 10.0 * np.arange(40)}, r"t steps by 10, 0\.5 s is the maximum: is it in seconds\?"),
         ({"cf50_z": np.full(40, 1000.0)}, "x, y, z of cf50 reach 1000 in the median, 50 m is the maximum"),
@@ -105,3 +109,20 @@ def test_a_vector_without_all_three_axes_is_no_vehicle(
 def test_a_table_of_one_vehicle_or_of_several_is_refused(columns: dict[str, Array], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         flight_table(columns)
+
+
+def test_positions_of_a_vehicle_whose_name_has_a_space_are_refused_with_that_name() -> None:
+    columns = {"t": np.arange(5) * 0.01} | {f"Drone A_{axis}": np.zeros(5) for axis in "xyz"}
+    with pytest.raises(
+        ValueError, match=r"vehicle 'Drone A': a name is a letter, then letters, digits and _"
+    ):
+        flight_table(columns)
+
+
+def test_a_column_without_a_name_is_listed_as_such(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "indexed.csv"  # as pandas writes it with its index
+    table.write_text(",t,cf1_x,cf1_y,cf1_z\n0,0.0,0,0,1\n1,0.1,0,0,1\n")
+    assert main([str(table), "--out", str(tmp_path / "bag")]) == 0
+    assert "left out, as of no vehicle: a column without a name\n" in capsys.readouterr().out

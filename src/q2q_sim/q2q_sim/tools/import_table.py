@@ -61,7 +61,9 @@ def _print_vehicles(columns: Mapping[str, Array], ticks: int, out: Path) -> None
     print(f"{out}: {counted(ticks, 'tick')} of {', '.join(placed)}")
     lost = [name for name in columns if name != "t" and not name.startswith(tuple(prefixes.values()))]
     if lost:
-        print(f"  left out, as of no vehicle: {', '.join(lost)}")
+        print(
+            f"  left out, as of no vehicle: {', '.join(name or 'a column without a name' for name in lost)}"
+        )
 
 
 def _columns(

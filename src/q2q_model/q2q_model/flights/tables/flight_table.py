@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_model.flights.tables.table_vehicles import AXES, vehicle_prefixes
 from q2q_model.flights.unit_check import check_metres
 from q2q_model.geometry.rotations import normalised, quat_from_euler
@@ -64,12 +65,12 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
     t = np.asarray(columns["t"], dtype=np.float64)
+    if len(t) < 2:
+        raise ValueError(f"the table has {counted(len(t), 'row')}; a flight has 2 or more")
     late = np.flatnonzero(~(np.diff(t) > 0.0))
-    if not len(t) or not t[0] >= 0.0 or len(late):
+    if not t[0] >= 0.0 or len(late):
         row = int(late[0]) + 1 if len(late) else 0
         raise ValueError(f"t must begin at 0 or later and increase; row {row} of {len(t)} does not")
-    if len(t) < 2:
-        raise ValueError("the table has 1 row; a flight has 2 or more")
     prefixes = vehicle_prefixes(tuple(columns), CARRIED)
     names = tuple(prefixes)
     found: dict[str, Array] = {}

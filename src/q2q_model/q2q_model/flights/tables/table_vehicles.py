@@ -16,6 +16,8 @@ thrust as well.
 import re
 from collections.abc import Collection
 
+from q2q_model.signals.vehicle_name import check_vehicle_name
+
 LONE_VEHICLE = "cf1"
 AXES = ("x", "y", "z")
 ESTIMATE = "est"
@@ -30,7 +32,8 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
         carried: columns of a vehicle, without its name, that are in signals.
 
     Raises:
-        ValueError: there is no vehicle, or two readings are possible.
+        ValueError: there is no vehicle, or none with a name that vehicles may have, or two readings are
+            possible.
     """
     placed = [name for name in _before_x(columns) if all(f"{name}_{axis}" in columns for axis in AXES)]
     if all(axis in columns for axis in AXES):
@@ -44,6 +47,9 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
         else:
             _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
     if not found:
+        for name in (one.removesuffix("_x") for one in columns if one.endswith("_x")):
+            if name != ESTIMATE and all(f"{name}_{axis}" in columns for axis in AXES):
+                check_vehicle_name(name)
         raise ValueError(
             f"the table has neither x, y, z nor <vehicle>_x, _y, _z; it has {', '.join(columns)}"
         )

@@ -103,7 +103,10 @@ def _dense_poses(flight: Flight) -> _DensePoses:
         raise ValueError(
             f"flight {flight.name} has {len(flight.names)} vehicles; give flights of one vehicle"
         )
-    there = np.isfinite(flight.mocap_pos[:, 0]).all(axis=1) & np.isfinite(flight.mocap_quat[:, 0]).all(axis=1)
+    placed, turned = (np.isfinite(one[:, 0]).all(axis=1) for one in (flight.mocap_pos, flight.mocap_quat))
+    if placed.any() and not turned.any():
+        raise ValueError(f"flight {flight.name} has no attitudes: record them, in a table as qx, qy, qz, qw")
+    there = placed & turned
     t = flight.t[there]
     _check_samples(flight.name, t)
     check_upright(flight)
