@@ -4,11 +4,12 @@ from dataclasses import replace
 
 from radio_pilot_bench import LANDING_S, NAMES, WELL, Bench, FakeLink
 
-from q2q_control.flight_procedure.steps import Act
+from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link.setpoints import RpytSetpoint
 from q2q_control.radio.link.vehicle_link import LinkHealth
 from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_control.radio.radio_executor import RadioExecutor
+from q2q_model.node.reply import Reply
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 DOWN, FLIES = LinkHealth(connected=False), replace(WELL, flying=True)
@@ -93,6 +94,39 @@ def test_a_vehicle_lost_in_a_hover_is_cut_at_once_and_when_it_is_back() -> None:
     bench.look(3.0)
     assert bench.links["cf2"].sent == ["cut"] * 2
     assert bench.pilot.phases == {"cf1": Phase.CLIMBING, "cf2": Phase.READY}
+
+
+def test_a_stop_succeeds_once_all_are_locked() -> None:
+    bench = hovering()
+    bench.pilot.begin(Order(Act.EMERGENCY), bench.t)
+    bench.look(0.02)
+    assert bench.pilot.outcome(bench.t) is None
+    for link in bench.links.values():
+        link.now = replace(WELL, locked=True)
+    bench.look(0.02)
+    assert bench.pilot.outcome(bench.t) == Reply(granted=True)
+
+
+def test_a_stop_fails_with_the_vehicles_that_are_lost_before_they_are_locked() -> None:
+    bench = hovering()
+    bench.pilot.begin(Order(Act.EMERGENCY), bench.t)
+    bench.look(0.02)
+    bench.links["cf1"].now, bench.links["cf2"].now = replace(WELL, locked=True), DOWN
+    bench.look(0.02)
+    reply = bench.pilot.outcome(bench.t)
+    assert reply is not None
+    assert not reply.granted
+    assert reply.reason.startswith("cf2 not reached: ")
+    assert "motors of cf1 stopped" in reply.reason
+
+
+def test_a_stop_with_firmware_that_never_locks_succeeds_after_it_was_sent_for_2_s() -> None:
+    bench = hovering()
+    bench.pilot.begin(Order(Act.EMERGENCY), bench.t)
+    bench.look(1.98)
+    assert bench.pilot.outcome(bench.t) is None
+    bench.look(0.04)
+    assert bench.pilot.outcome(bench.t) == Reply(granted=True)
 
 
 def test_a_vehicle_that_others_fly_is_not_landed_when_it_is_connected() -> None:

@@ -155,7 +155,8 @@ def test_a_stop_given_while_a_link_is_down_is_delivered_when_it_is_back() -> Non
     link = bench.links["cf2"]
     link.now = LinkHealth(connected=False)
     bench.look(0.02)
-    bench.done(Act.EMERGENCY)
+    bench.pilot.begin(Order(Act.EMERGENCY), bench.t)
+    bench.look(0.0)
     for _ in range(3):
         bench.look(1.0)
     link.sent.clear()

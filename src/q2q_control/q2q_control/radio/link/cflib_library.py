@@ -4,10 +4,14 @@ cflib is imported only when one is made.
 """
 
 import logging
+import warnings
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
+
+UNCONNECTED = r"(?s)The supervisor subsystem requires .* reports version -1\."
+"""cflib's warning of old firmware where no vehicle is connected: the firmware is not known yet."""
 
 
 def new_crazyflie(cache: str) -> "Crazyflie":
@@ -24,6 +28,7 @@ def new_crazyflie(cache: str) -> "Crazyflie":
         raise ValueError(words) from missing
     logging.getLogger("cflib").setLevel(logging.ERROR)  # the node itself logs every lost link
     logging.getLogger("cflib.crazyflie").addFilter(_is_news)
+    warnings.filterwarnings("ignore", UNCONNECTED, UserWarning)
     cflib.crtp.init_drivers()
     made = Crazyflie(rw_cache=cache or None)
     made.link_statistics.latency.start = _no_thread

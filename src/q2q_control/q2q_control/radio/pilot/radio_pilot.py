@@ -91,7 +91,12 @@ class RadioPilot:
         order = self._order
         if order is None:
             return None
-        reply = self._arming_outcome() if order.act is Act.ARM else self._order_outcome(order.act, t)
+        if order.act is Act.ARM:
+            reply = self._arming_outcome()
+        elif order.act is Act.EMERGENCY:
+            reply = self._stop_outcome()
+        else:
+            reply = self._order_outcome(order.act, t)
         if reply is not None:
             self._order = None
         return reply
@@ -153,6 +158,18 @@ class RadioPilot:
         missing = [name for name, one in self._vehicles.items() if one.phase is not Phase.ARMED]
         reason = f"{', '.join(missing)} did not arm within {self._params.arm_s:g} s" if missing else ""
         return Reply(granted=not missing, reason=reason)
+
+    def _stop_outcome(self) -> Reply | None:
+        """Return the outcome of a stop; None until connected vehicles are locked or were sent it for 2 s."""
+        if any(one.stopping for one in self._vehicles.values()):
+            return None
+        offline = [name for name, phase in self.phases.items() if phase is Phase.OFFLINE]
+        if not offline:
+            return Reply(granted=True)
+        stopped = [name for name in self._vehicles if name not in offline]
+        missed = f"{', '.join(offline)} not reached: motors are stopped once radio has reconnected"
+        done = f"; motors of {', '.join(stopped)} stopped; restart the vehicles" if stopped else ""
+        return Reply(granted=False, reason=missed + done)
 
     def _order_outcome(self, act: Act, t: float) -> Reply | None:
         if act is not Act.DISARM:

@@ -83,6 +83,11 @@ class VehiclePilot:
         return bool(np.isfinite(self._record.cut_at))
 
     @property
+    def stopping(self) -> bool:
+        """Return whether it is connected and its cut is still sent again."""
+        return self.phase is not Phase.OFFLINE and self._record.cut_left > 0.0
+
+    @property
     def landing_end(self) -> float:
         """Return when its last landing ends or has ended [s]."""
         return self._record.since + self._record.landing_s
