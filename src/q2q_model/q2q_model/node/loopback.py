@@ -7,7 +7,8 @@ collide there ("Failed init_port"), topics have stopped (Fast DDS, issues 5737 a
 leaves files in /dev/shm. UDP on loopback is as fast for 2, 100 and 200 vehicles.
 
 So the profile has one transport, on 127.0.0.1, that discovers as LOCALHOST does; rmw leaves profiles alone
-under SYSTEM_DEFAULT.
+under SYSTEM_DEFAULT. It announces a participant to the ports of 120, where rmw tries those of 32: as many fit
+in a domain (ports from 7410 + 250 domain on, two each). Of 40, each takes 0.7 ms of processor time a second.
 
 Peers or a discovery server set by the user are on other machines: then nothing is restricted. A profile of
 the user takes precedence. Other middleware ignores ours.
