@@ -32,14 +32,16 @@ class RunningNodes:
 
 @contextmanager
 def running_nodes(
-    specs: Sequence[NodeSpec], folder: Path, meanwhile: Callable[[], None] = lambda: None
+    specs: Sequence[NodeSpec],
+    folder: Path,
+    meanwhile: Callable[[Sequence[str]], None] = lambda _: None,
 ) -> Iterator[RunningNodes]:
     """Yield connected nodes; on exit drain their messages and end them.
 
     Args:
         specs: the nodes; one of them is the recorder. Those without cores get theirs.
         folder: output folder for parameters and logs.
-        meanwhile: called while they start.
+        meanwhile: called while they start, with descriptions of the missing connections.
 
     Raises:
         NodeDiedError, TimeoutError: a node did not start or ended early.

@@ -1,7 +1,8 @@
 """Flight of a scenario through the real nodes: start, fly, end, measure from the bag."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from time import monotonic
 
 from q2q_model.signals.stamps import TICK_S
 from q2q_sim.loop.flight_clock import FlightTiming
@@ -15,12 +16,19 @@ from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.node_flights.unfinished_bag import end_of_bag, read_flown, why_unfinished
+from q2q_sim.node_flights.waiting_note import WaitingNote
 
 MEASURED = ("mocap", "truth", "truth_interference", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""
 
 
-def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[float], None]) -> FlightRun:
+def fly(
+    request: FlightRequest,
+    folder: Path,
+    bag: Path,
+    progress: Callable[[float], None],
+    note: Callable[[str], None] = lambda _: None,
+) -> FlightRun:
     """Fly a scenario and return its metrics and verdict.
 
     Args:
@@ -28,6 +36,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         folder: output folder for parameters, plan and logs.
         bag: output folder of the bag; must not exist.
         progress: called with the flown fraction, 0 to 1.
+        note: called with what the flight waits for, if it begins late.
 
     Raises:
         ValueError: an unknown scenario, vehicle or parameter.
@@ -39,7 +48,14 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         raise ValueError(f"bag {bag} exists: choose another folder or delete it")
     specs = node_specs(scenario, request, folder, bag)
     total = scenario.duration / TICK_S
-    with running_nodes(specs, folder, lambda: progress(0.0)) as running:
+    waits = WaitingNote(monotonic())
+
+    def wait(waiting: Sequence[str]) -> None:
+        progress(0.0)
+        if due := waits.update(waiting, monotonic()):
+            note(due)
+
+    with running_nodes(specs, folder, wait) as running:
         running.director.start()
         timing = running.director.wait_summary(lambda ticks: progress(ticks / total))
     return recorded_run(request, timing, folder, bag)

@@ -3,7 +3,7 @@
 The nodes run in processes of their own, or in this process on one executor.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from time import monotonic
 from typing import Self
 
@@ -87,9 +87,17 @@ class FlightDirector:
         return self._progress.ticks
 
     def wait_connected(
-        self, nodes: Iterable[str], timeout_s: float, meanwhile: Callable[[], None] = lambda: None
+        self,
+        nodes: Iterable[str],
+        timeout_s: float,
+        meanwhile: Callable[[Sequence[str]], None] = lambda _: None,
     ) -> None:
         """Return once every writer of the named nodes has matched every reader and latched messages arrived.
+
+        Args:
+            nodes: names of the nodes.
+            timeout_s: longest wait [s].
+            meanwhile: called while they are waited for, with descriptions of the missing connections.
 
         Raises:
             TimeoutError: some are not connected after timeout_s [s], or nodes of other flights write signals,
@@ -102,7 +110,7 @@ class FlightDirector:
         while waiting := self._waiting(clients):
             if monotonic() > deadline:
                 raise TimeoutError(f"nodes not connected after {timeout_s:g} s: {'; '.join(waiting)}")
-            meanwhile()
+            meanwhile(waiting)
             self._spin(POLL_S)
         deadline = monotonic() + LINGER_S
         while self._started_ros and (strangers := conflicting_topics(self._answers, self._publishers_of)):

@@ -122,7 +122,10 @@ def fly_with_progress(
             interruption.check()
             bar.update(task, completed=share)
 
-        run = fly(request, folder, bag, follow)
+        def print_wait(text: str) -> None:
+            bar.console.print(f"fly: {request.scenario}: {text}", soft_wrap=True)
+
+        run = fly(request, folder, bag, follow, print_wait)
         bar.update(task, completed=1.0)
     for note in recorder_notes(folder):
         print(note, file=sys.stderr)

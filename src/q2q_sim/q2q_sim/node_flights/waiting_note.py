@@ -1,0 +1,26 @@
+"""Note of what a flight waits for before it begins, if that takes long."""
+
+from collections.abc import Sequence
+
+FIRST_S = 10.0
+"""Wait after which the first note is due [s]: the nodes of a small flight start in less."""
+AGAIN_S = 30.0
+"""Period of the notes after it [s]."""
+SHOWN = 3
+"""Missing connections that a note names."""
+
+
+class WaitingNote:
+    """Notes of a wait that began at a given time."""
+
+    def __init__(self, begun: float) -> None:
+        self._begun = begun
+        self._due = begun + FIRST_S
+
+    def update(self, waiting: Sequence[str], now: float) -> str:
+        """Return the note due at time now [s] while connections are missing; empty if none is due."""
+        if now < self._due:
+            return ""
+        self._due = now + AGAIN_S
+        rest = f"; and {len(waiting) - SHOWN} more" if len(waiting) > SHOWN else ""
+        return f"waiting for the nodes for {now - self._begun:.0f} s: {'; '.join(waiting[:SHOWN])}{rest}"
