@@ -59,12 +59,16 @@ class StackParams:
     )
 
     def __post_init__(self) -> None:
-        """Check the bounds and the names of the nodes."""
+        """Check the bounds, and that the nodes are known, each once, with one controller."""
         check_bounds(self)
         unknown = [name for name in self.nodes if name not in BUILDERS]
         if unknown or not self.nodes:
             asked = ", ".join(unknown) or "none"
             raise ValueError(f"parameter nodes: {asked}; choose some of {', '.join(BUILDERS)}")
+        if len(set(self.nodes)) < len(self.nodes):
+            raise ValueError(f"parameter nodes: {', '.join(self.nodes)}; give each node once")
+        if {"pid", "mpc"} <= set(self.nodes):
+            raise ValueError("parameter nodes: pid and mpc; choose one of them, as both write command")
 
 
 def build() -> dict[Node, object]:
