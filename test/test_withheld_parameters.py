@@ -14,8 +14,9 @@ from q2q_control.ros import pid_node
 from q2q_model.ros.node.node_parameters import refuse_undeclared
 from q2q_planner.ros import replanner_node
 from q2q_sim.processes.domain import own_domain
+from q2q_sim.ros.simulator_node import Simulator
 
-BUILDERS = {"pid": pid_node.build, "replanner": replanner_node.build}
+BUILDERS = {"pid": pid_node.build, "replanner": replanner_node.build, "simulator": Simulator}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -49,6 +50,8 @@ def refusal(name: str, given: dict[str, object]) -> str:
         ("replanner", {"safe.eps": 0.3}, "parameter safe.eps needs law:=safe"),
         ("replanner", {"eps": 0.3, "law": "safe"}, "parameter eps needs law:=paper"),
         ("replanner", {"safe.eps": 0.3, "law": "safe"}, ""),
+        ("simulator", {"crtp_port": 0}, "parameter crtp_port needs crtp:=true"),
+        ("simulator", {"crtp_port": 0, "crtp": True}, ""),
     ],
 )
 def test_a_withheld_parameter_is_refused_with_what_it_needs(

@@ -24,7 +24,7 @@ from std_srvs.srv import Trigger
 
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics_publisher import publish_health
-from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.node_parameters import declare, withhold_named
 from q2q_model.ros.node.publisher_conflicts import TopicConflict, publishers_of
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
@@ -71,6 +71,8 @@ class Simulator:
             from q2q_sim.ros.crtp_room import open_crtp  # firmware that other rooms are spared
 
             self._crtp = open_crtp(node, room, scenario)
+        else:
+            withhold_named(node, "crtp_*", "crtp:=true")
         firmware = self._crtp.fly if self._crtp else None
         self._flight = RoomFlight(room, params, scenario.duration, perf_counter, firmware)
         self._controllers = TopicConflict(node, COMMAND, len(room.names))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import Field, fields, replace
+from fnmatch import fnmatchcase
 from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -28,7 +29,7 @@ UNBOUNDED = 1.7e308
 """Bound of an unbounded FloatingPointRange, which cannot express infinity."""
 
 _WITHHELD: WeakKeyDictionary[Node, dict[str, str]] = WeakKeyDictionary()
-"""For each node, the parameters that it does not declare as it is started, and what each needs."""
+"""For each node, patterns of parameters that it does not declare as it is started, and what each needs."""
 
 
 def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False) -> P:
@@ -46,7 +47,13 @@ def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False)
 
 def withhold(node: Node, params: ParamsClass, needs: str, prefix: str = "") -> None:
     """Let the refusal of parameters of `params`, which the node does not declare, say what they need."""
-    _WITHHELD.setdefault(node, {}).update({prefix + entry.name: needs for entry in fields(params)})
+    for entry in fields(params):
+        withhold_named(node, prefix + entry.name, needs)
+
+
+def withhold_named(node: Node, pattern: str, needs: str) -> None:
+    """Let the refusal of parameters of a pattern (`crtp_*`), which the node lacks, say what they need."""
+    _WITHHELD.setdefault(node, {})[pattern] = needs
 
 
 def refuse_undeclared(nodes: Iterable[Node]) -> None:
@@ -57,10 +64,11 @@ def refuse_undeclared(nodes: Iterable[Node]) -> None:
     here = list(nodes)
     known = {name for node in here for name in node.list_parameters([], 0).names}
     given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy has no accessor)
-    withheld = {name: needs for node in here for name, needs in _WITHHELD.get(node, {}).items()}
+    withheld = [entry for node in here for entry in _WITHHELD.get(node, {}).items()]
     for name in sorted(given - known):
-        if name in withheld:
-            raise ValueError(f"parameter {name} needs {withheld[name]}")
+        for pattern, needs in withheld:
+            if fnmatchcase(name, pattern):
+                raise ValueError(f"parameter {name} needs {needs}")
         raise ValueError(f"no parameter {name}; {name_hint(name, sorted(known))}")
 
 
