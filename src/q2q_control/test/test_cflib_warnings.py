@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
 from cflib.crazyflie.supervisor import Supervisor
 
-from q2q_control.radio.cflib_library import new_crazyflie
+from q2q_control.radio.link.cflib_library import new_crazyflie
 
 
 @pytest.mark.parametrize(("version", "shown"), [(-1, False), (11, True), (12, False)])
