@@ -69,13 +69,15 @@ def test_messages_that_are_read_late_are_all_in_the_bag(
     assert capfd.readouterr().err == ""
 
 
-def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
+@pytest.mark.parametrize("topic", ["poses", "command"])
+def test_what_a_driver_sends_best_effort_is_recorded_as_such(tmp_path: Path, topic: str) -> None:
     bag = tmp_path / "bag"
-    with recording(bag, "extra:=['poses:q2q_msgs/msg/SwarmCommand']") as node:
+    extra = ["extra:=['poses:q2q_msgs/msg/SwarmCommand']"] if topic == "poses" else []
+    with recording(bag, *extra) as node:
         recorder, writing = Recorder(node), Node("writing")
         executor = make_executor()
         executor.add_node(node)
-        writer = writing.create_publisher(SwarmCommand, "poses", OUTSIDE)
+        writer = writing.create_publisher(SwarmCommand, topic, OUTSIDE)
 
         def is_heard() -> bool:
             writer.publish(SwarmCommand())
@@ -84,9 +86,9 @@ def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
         spin_until(executor, is_heard)
         recorder.close()
         writing.destroy_node()
-    assert [one.topic for one in BagReader(bag).raw()][:1] == ["/poses"]
+    assert [one.topic for one in BagReader(bag).raw()][:1] == [f"/{topic}"]
     with Reader(bag) as stored:
-        [channel] = [one for one in stored.connections if one.topic == "/poses"]
+        [channel] = [one for one in stored.connections if one.topic == f"/{topic}"]
         assert [one.reliability for one in channel.ext.offered_qos_profiles] == [QosReliability.BEST_EFFORT]
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection
 from contextlib import suppress
 
 from q2q_model.bag import BagError, BagWriter, OfferedQos
+from q2q_model.bag.storage.definitions import definition_of
 from q2q_model.counted import counted
 from q2q_model.diagnostics.health import Health
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
@@ -40,7 +41,7 @@ class RecordedBag:
         """Topics with a message."""
         self._writer, self._offered, self._clock = writer, offered, clock
         self._foreign: dict[str, str] = {}
-        """Topics of other software and their types, until their first message shows how they are offered."""
+        """Topics that others may write and their types, until the first message shows what is offered."""
         self._lost: dict[str, int] = {}
 
     def add_topic(self, topic: str, kind: str, *, latched: bool) -> None:
@@ -48,7 +49,8 @@ class RecordedBag:
         self._writer.add_topic(topic, kind, OfferedQos(transient_local=latched))
 
     def add_foreign(self, topic: str, kind: str) -> None:
-        """Add a topic of other software, by what its publishers offer at its first message."""
+        """Add a topic that others may write, by what its publishers offer at its first message."""
+        definition_of(kind)  # takes longest for the first topic: not while messages come
         self._foreign[topic] = kind
 
     def take(self, topic: str, data: bytes) -> None:

@@ -81,7 +81,7 @@ class Recorder:
         bus = bus_of(node)
         for topic, kind in types.items():
             whole = names[topic]
-            if topic in TYPE_NAMES or is_latched(topic, kind):
+            if bus.carries(topic) or is_latched(topic, kind):
                 self.bag.add_topic(whole, kind, latched=is_latched(topic, kind))
             else:
                 self.bag.add_foreign(whole, kind)
