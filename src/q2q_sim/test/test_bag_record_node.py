@@ -10,11 +10,13 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 import rclpy
 from q2q_msgs.msg import SwarmCommand
+from rclpy.context import Context
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rosbags.interfaces import QosReliability
 from rosbags.rosbag2 import Reader
 from spun_until import spin_until
+from std_msgs.msg import String
 
 from q2q_model.bag import BagReader
 from q2q_model.node.warm_up import synthetic_signal
@@ -90,6 +92,26 @@ def test_what_a_driver_sends_best_effort_is_recorded_as_such(tmp_path: Path, top
     with Reader(bag) as stored:
         [channel] = [one for one in stored.connections if one.topic == f"/{topic}"]
         assert [one.reliability for one in channel.ext.offered_qos_profiles] == [QosReliability.BEST_EFFORT]
+
+
+def test_a_topic_that_is_published_with_another_type_is_named_with_both(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with recording(tmp_path / "bag", "topics:=[command]") as node:
+        other = Context()  # one participant has one type for each topic
+        rclpy.init(context=other)
+        recorder, writing = Recorder(node), Node("writing", context=other)
+        executor = make_executor()
+        executor.add_node(node)
+        writing.create_publisher(String, "command", OUTSIDE)
+        deadline = monotonic() + TIMEOUT_S
+        while not recorder.bag.other_types and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        rclpy.shutdown(context=other)
+        recorder.close()
+    said = "/command is published as std_msgs/msg/String, not as q2q_msgs/msg/SwarmCommand"
+    assert f"bag_record: {said}: nothing of it is recorded\n" in (error := capfd.readouterr().err)
+    assert "do their nodes run" not in error
 
 
 LATCHED_EXTRA = "extra:=['map:q2q_msgs/msg/SwarmCommand']"

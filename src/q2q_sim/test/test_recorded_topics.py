@@ -2,7 +2,12 @@
 
 import pytest
 
-from q2q_sim.bag_topics.recorded_topics import check_distinct, recorded_types, silent_topics_note
+from q2q_sim.bag_topics.recorded_topics import (
+    check_distinct,
+    other_types_note,
+    recorded_types,
+    silent_topics_note,
+)
 
 POSE = "geometry_msgs/msg/PoseStamped"
 
@@ -39,6 +44,14 @@ def test_a_topic_is_recorded_once() -> None:
         ):
             recorded_types((), extra, by_header=False)
     assert recorded_types(("mocap",), (f"state:{POSE}",), by_header=False)["state"] == POSE
+
+
+def test_a_topic_that_is_published_with_other_types_only_is_named_with_both() -> None:
+    assert other_types_note("/state", POSE, ["std_msgs/msg/String", "std_msgs/msg/String"]) == (
+        f"/state is published as std_msgs/msg/String, not as {POSE}: nothing of it is recorded"
+    )
+    assert not other_types_note("/state", POSE, [])
+    assert not other_types_note("/state", POSE, ["std_msgs/msg/String", POSE])
 
 
 def test_silent_topics_are_reported_if_they_were_asked_for_or_none_came() -> None:

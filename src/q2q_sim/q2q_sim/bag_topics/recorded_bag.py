@@ -39,6 +39,8 @@ class RecordedBag:
         """Whether the disk has taken no more."""
         self.received: set[str] = set()
         """Topics with a message."""
+        self.other_types: dict[str, str] = {}
+        """Topics without one that were last seen published with another type, with a note of it."""
         self._writer, self._offered, self._clock = writer, offered, clock
         self._foreign: dict[str, str] = {}
         """Topics that others may write and their types, until the first message shows what is offered."""
@@ -83,7 +85,9 @@ class RecordedBag:
             self._writer.close()
         except BagError as refusal:
             self._give_up(refusal)
-        if silence := silent_topics_note(asked, self.received):
+        for note in self.other_types.values():
+            _say(note)
+        if silence := silent_topics_note(asked, self.received | self.other_types.keys()):
             _say(silence)
         for topic, count in self._lost.items():
             _say(f"lost {counted(count, 'message')} of {topic}: this machine is too busy")
@@ -92,6 +96,7 @@ class RecordedBag:
 
     def _store(self, topic: str, stamp_ns: int, data: bytes) -> None:
         self.received.add(topic)
+        self.other_types.pop(topic, None)
         if self.is_full:
             self.health.missed += 1
             return

@@ -41,6 +41,14 @@ def check_distinct(full_names: Mapping[str, str]) -> None:
             raise ValueError(f"{both}: leave one out of the parameters topics and extra")
 
 
+def other_types_note(topic: str, kind: str, published: Collection[str]) -> str:
+    """Return that a topic to record is published with other types than its `kind` only, or an empty text."""
+    if not published or kind in published:
+        return ""
+    others = ", ".join(sorted(set(published)))
+    return f"{topic} is published as {others}, not as {kind}: nothing of it is recorded"
+
+
 def silent_topics_note(asked: Collection[str], received: Collection[str]) -> str:
     """Return what a user has to know of topics without a message; empty if there is nothing.
 

@@ -27,7 +27,7 @@ from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.bag_topics.recorded_bag import RecordedBag
-from q2q_sim.bag_topics.recorded_topics import check_distinct, recorded_types
+from q2q_sim.bag_topics.recorded_topics import check_distinct, other_types_note, recorded_types
 from q2q_sim.bag_topics.topics import TYPE_NAMES, is_latched
 
 
@@ -89,7 +89,8 @@ class Recorder:
                 bus.listen(topic, partial(self.bag.take_signal, whole))
             else:
                 self._subscribe(node, topic, classes[topic], RECORD)
-        publish_health(node, self.bag.health, self._look_for_latched)
+        self._types = {names[topic]: kind for topic, kind in types.items()}
+        publish_health(node, self.bag.health, self._look_at_silent)
 
     def close(self) -> None:
         """Close the bag; raise BagError if its disk took no more."""
@@ -121,9 +122,10 @@ class Recorder:
         if qos is RECORD:
             self._take_latched[whole] = partial(take_anew, RECORD_LATCHED)
 
-    def _look_for_latched(self) -> Mapping[str, str]:
+    def _look_at_silent(self) -> Mapping[str, str]:
         """Take topics of which nothing has come as they are latched, for what was sent before; no values.
 
+        Report those that are published with another type.
         Once a second: an event of the match would come at once, but to take one can block the process for
         ever (ros2/rmw_fastrtps#890).
         """
@@ -131,7 +133,19 @@ class Recorder:
         for topic in sorted(silent):
             if _is_latched(self._node, topic):
                 self._take_latched[topic]()
+            self._report_other_types(topic)
         return {}
+
+    def _report_other_types(self, topic: str) -> None:
+        """Report, once for the same types, that a silent topic is published with others than its own."""
+        published = [one.topic_type for one in self._node.get_publishers_info_by_topic(topic)]
+        if not published:  # what they had is said at the end
+            return
+        before = self.bag.other_types.pop(topic, "")
+        if note := other_types_note(topic, self._types[topic], published):
+            self.bag.other_types[topic] = note
+            if note != before:
+                self._node.get_logger().warning(note)
 
 
 def _offered(node: Node, topic: str) -> OfferedQos:
