@@ -19,6 +19,15 @@ def test_topics_of_q2q_and_further_ones_are_recorded() -> None:
     }
 
 
+def test_topics_of_q2q_are_known_with_a_slash_before_them() -> None:
+    assert recorded_types(("/state", "mocap"), (), by_header=True) == {
+        "mocap": "q2q_msgs/msg/MocapFrame",
+        "/state": "q2q_msgs/msg/SwarmState",
+    }
+    with pytest.raises(ValueError, match="parameter topics: no /room/state; there are mocap"):
+        recorded_types(("/room/state",), (), by_header=True)
+
+
 def test_a_message_without_a_header_has_no_stamp_to_record_it_by() -> None:
     words = ("/words:std_msgs/msg/String",)
     assert "/words" in recorded_types((), words, by_header=False)

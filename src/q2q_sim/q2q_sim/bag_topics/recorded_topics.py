@@ -12,11 +12,13 @@ HEADER = "std_msgs/msg/Header"
 def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header: bool) -> dict[str, str]:
     """Return the topics to record and their message types: `topics` of q2q, none are all, and `extra`.
 
+    A topic of q2q may begin with a slash; it is that of no namespace then.
+
     Raises:
         ValueError: an unknown topic or type, a topic given twice, or a message without a header though its
             stamp is asked for (`by_header`).
     """
-    unknown = [topic for topic in topics if topic not in TYPE_NAMES]
+    unknown = [topic for topic in topics if topic.removeprefix("/") not in TYPE_NAMES]
     if unknown:
         raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")
     further = _further(extra)
@@ -24,7 +26,8 @@ def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header
         definition_of(kind)
         if by_header and not _has_header(kind):
             raise ValueError(f"parameter extra: {topic}: {kind} has no header: give stamps:=receive")
-    chosen = {topic: kind for topic, kind in TYPE_NAMES.items() if not topics or topic in topics}
+    either = {given: kind for topic, kind in TYPE_NAMES.items() for given in (topic, f"/{topic}")}
+    chosen = {given: kind for given, kind in either.items() if given in topics} or dict(TYPE_NAMES)
     counts = Counter([*chosen, *(topic for topic, _ in further)])
     if repeated := ", ".join(topic for topic, count in counts.items() if count > 1):
         raise ValueError(f"parameter extra: {repeated} would be recorded twice: leave out one")
