@@ -14,8 +14,8 @@ def command(t: float, *status: int, names: Names = NAMES) -> SwarmCommand:
     return level_command(t, names, zero, status=np.array(status, dtype=np.uint8))
 
 
-def reported(changes: PhaseChanges, one: SwarmCommand) -> list[str]:
-    return [str(change) for change in changes.update(one)]
+def reported(changes: PhaseChanges, one: SwarmCommand, flights: int = 1) -> list[str]:
+    return [str(change) for change in changes.update(one, flights)]
 
 
 def test_each_phase_is_reported_when_it_begins_and_when_the_controller_flies_again() -> None:
@@ -30,7 +30,7 @@ def test_each_phase_is_reported_when_it_begins_and_when_the_controller_flies_aga
         ["cf1: failsafe CUT"],
     ]
     assert (changes.active, changes.cut, str(changes)) == (True, ("cf1",), "cf1: failsafe CUT")
-    changes.update(command(6 * TICK, CUT, LAND))
+    changes.update(command(6 * TICK, CUT, LAND), 1)
     assert changes.brought_down == ("cf2", "cf1")
 
 
@@ -81,14 +81,22 @@ def test_a_cut_is_reported_again_in_a_new_flight_beside_the_same_controller() ->
     assert [line for made in fly(guard, 200, 210) for line in reported(changes, made)] == [
         "cf1, cf2: failsafe CUT"
     ]
-    assert [line for made in fly(guard, 0, 10) for line in reported(changes, made)] == [
-        "cf1, cf2: failsafe CUT"
-    ]
+    again = [line for made in fly(guard, 0, 20) for line in reported(changes, made, guard.flights)]
+    assert again == ["cf1, cf2: failsafe CUT"]
+
+
+def test_a_cut_is_reported_once_while_stamps_of_two_clocks_alternate() -> None:
+    """A live guard answers ticks of a clock that was set back, and by a timer those that it misses."""
+    changes, lines = PhaseChanges(), []
+    for k in range(10):
+        lines += reported(changes, command(18.0 + k * TICK, CUT, CUT))
+        lines += reported(changes, command(14.0 + k * TICK, CUT, CUT))
+    assert lines == ["cf1, cf2: failsafe CUT"]
 
 
 def test_phases_are_those_of_names_not_of_rows() -> None:
     changes = PhaseChanges()
-    changes.update(command(0.0, HOLD, OK))
+    changes.update(command(0.0, HOLD, OK), 1)
     assert reported(changes, command(0.01, OK, HOLD, names=("cf2", "cf1"))) == []
     assert reported(changes, command(0.02, LAND, names=("cf3",))) == ["cf3: failsafe LAND"]
 

@@ -112,6 +112,8 @@ class Guard:
         self._measured_at = np.zeros(0)
         self._is_cut: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self._cut_names: set[str] = set()  # cut vehicles that were commanded before, too
+        self.flights = 1
+        """Number of flights begun, the first included: each reset begins another."""
 
     @property
     def newest(self) -> float:
@@ -120,6 +122,7 @@ class Guard:
 
     def reset(self) -> None:
         """Reset the guard and its controller; an emergency remains."""
+        self.flights += 1
         self._controller.reset()
         self._forget()
 

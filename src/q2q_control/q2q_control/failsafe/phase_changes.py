@@ -50,7 +50,8 @@ class PhaseChanges:
         self._phases: Status = np.zeros(0, dtype=np.uint8)
         self._landing = np.zeros(0)  # commands that land each vehicle
         self._reported: set[PhaseChange] = set()
-        self._t = -np.inf  # stamp of the newest command with a phase [s]
+        self._t = -np.inf  # stamp of the last command with a phase [s]
+        self._flights = 0  # begun by then
 
     @property
     def active(self) -> bool:
@@ -71,14 +72,20 @@ class PhaseChanges:
         """Return the vehicles in each phase in words; empty if there are none."""
         return "; ".join(str(PhaseChange(one, names)) for one in _PHASES if (names := self._having(one)))
 
-    def update(self, command: SwarmCommand) -> tuple[PhaseChange, ...]:
-        """Return the changes that come with a command and are to be reported."""
+    def update(self, command: SwarmCommand, flights: int) -> tuple[PhaseChange, ...]:
+        """Return the changes that come with a command and are to be reported.
+
+        Args:
+            command: the command.
+            flights: number of flights begun (Guard.flights). Stamps do not tell: while a clock that was set
+                back is not yet believed, commands have stamps of both clocks in turn.
+        """
         phases = _PHASE_OF[command.status]
         if phases.any():
-            if not -SET_BACK_S <= command.t - self._t <= SETTLED_S:
+            if flights != self._flights or command.t - self._t > SETTLED_S:
                 self._names, self._phases = (), phases[:0]
                 self._reported.clear()
-            self._t = command.t
+            self._t, self._flights = command.t, flights
         before = rows_by_name(self._phases, self._names, command.names, FLOWN)
         self._count_landing(command.names, phases)
         self._names, self._phases = command.names, phases

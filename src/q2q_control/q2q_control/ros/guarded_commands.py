@@ -130,7 +130,7 @@ class GuardedCommands:
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         command = self._guard.cut_all()
         if command is not None:
-            self._changes.update(command)  # logged here, for all vehicles in one line
+            self._changes.update(command, self._guard.flights)  # logged here, for all vehicles in one line
         self._send(command)
         self._wiring.health.failure = EMERGENCY_CUT
         self._node.get_logger().error(EMERGENCY_CUT)
@@ -139,7 +139,7 @@ class GuardedCommands:
     def _log_changes(self, command: SwarmCommand) -> None:
         """Log the fallback phases that begin with a command; keep the present ones."""
         log, health = self._node.get_logger(), self._wiring.health
-        for change in self._changes.update(command):
+        for change in self._changes.update(command, self._guard.flights):
             if change.phase is CommandStatus.CUT:
                 log.error(cut_reason(change.names, emergency=self._guard.emergency))
             else:
