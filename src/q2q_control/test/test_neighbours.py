@@ -1,5 +1,7 @@
 """Neighbours' predictions are followed, age into what is known without them, and widen their downwash."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from resting_signals import resting_setpoint, resting_state
@@ -240,6 +242,22 @@ def test_names_that_change_are_forgotten_but_those_heard_last() -> None:
     kept = [k for k in range(MOST_VEHICLES + 5) if received.has(f"other{k}", first)]
     assert kept == list(range(6, MOST_VEHICLES + 5))
     assert received.has("cf2", first + PERIOD)
+
+
+def test_a_prediction_that_is_kept_keeps_none_of_the_others_of_its_message() -> None:
+    """Each of 200 messages has a name of its own, beside 99 that the next one has, too."""
+    received, bytes_of_path = ReceivedPredictions(PERIOD), MOST_POSITIONS * 3 * 8
+    others = tuple(f"cf{k}" for k in range(99))
+    pos = np.zeros((100, MOST_POSITIONS, 3), np.float32)
+    tracemalloc.start()
+    try:
+        for k in range(200):
+            received.receive(PredictedPaths(1.0 + PERIOD * k, (*others, f"other{k}"), 1.0, STEP, pos))
+        held, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    paths = 2 * len(others) + 200
+    assert held < 1.5 * paths * bytes_of_path  # 50 times that with all paths of each message
 
 
 def test_a_prediction_that_is_too_large_is_refused() -> None:

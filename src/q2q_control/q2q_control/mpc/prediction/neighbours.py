@@ -107,9 +107,9 @@ class ReceivedPredictions:
         Those later than it by more than SET_BACK_S are of a clock that was set back. With more than
         MOST_VEHICLES names the one that was received longest ago is forgotten.
         """
-        t, pos = prediction.t, prediction.pos.astype(np.float64)
-        for row, name in enumerate(prediction.names):
-            received = ReceivedPath(t, prediction.start, prediction.step, pos[row])
+        for name, pos in zip(prediction.names, prediction.pos, strict=True):
+            own = pos.astype(np.float64)  # a view would keep the paths of all vehicles of the message
+            received = ReceivedPath(prediction.t, prediction.start, prediction.step, own)
             kept = [
                 one
                 for one in self._received.pop(name, [])
