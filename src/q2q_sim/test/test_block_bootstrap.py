@@ -11,13 +11,24 @@ def test_rows_without_x_show_no_slope() -> None:
     assert slope_spread(np.zeros((0, 2)), np.zeros(0, dtype=np.intp)) is None
 
 
-def test_a_slope_that_one_block_shows_has_no_end_at_zero() -> None:
-    """A quarter of the draws of two blocks takes the one with x = 0 twice: no slope, and not a slope of 0."""
-    x = np.concatenate([np.zeros(20), np.linspace(0.1, 2.0, 20)])
-    found = slope_spread(np.stack([x * 3.0 * x, x * x], axis=1), np.repeat([0, 1], 20))
+def test_a_slope_that_one_block_shows_has_no_interval() -> None:
+    """Nothing is known of how it differs between blocks, however many others have x = 0."""
+    x = np.concatenate([np.zeros(40), np.linspace(0.1, 2.0, 20)])
+    found = slope_spread(np.stack([x * 3.0 * x, x * x], axis=1), np.repeat([0, 1, 2], 20))
     assert found is not None
-    for end in (found.low, found.value, found.high):
-        np.testing.assert_allclose(end, [3.0], rtol=1e-12)
+    np.testing.assert_allclose(found.value, [3.0], rtol=1e-12)
+    assert np.isnan([found.low[0], found.high[0]]).all()
+
+
+def test_blocks_without_x_change_no_interval() -> None:
+    x = np.linspace(0.1, 2.0, 60)
+    products = np.stack([x * (3.0 + np.sin(9.0 * x)) * x, x * x], axis=1)
+    shown = slope_spread(products, np.repeat([0, 1, 2], 20))
+    found = slope_spread(np.concatenate([np.zeros((40, 2)), products]), np.repeat([0, 1, 2, 3, 4], 20))
+    assert shown is not None
+    assert found is not None
+    assert (found.low, found.value, found.high) == (shown.low, shown.value, shown.high)
+    assert found.low[0] < found.value[0] < found.high[0]
 
 
 def test_a_slope_in_noise_lies_in_its_interval() -> None:

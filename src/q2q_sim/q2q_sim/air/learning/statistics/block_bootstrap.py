@@ -81,14 +81,14 @@ def estimate_spread(estimate: WeightedEstimate, count: int) -> Spread:
 def slope_spread(products: Array, blocks: BlockOfRows) -> Spread | None:
     """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2).
 
-    None without a row whose x is not 0: they show no slope. A draw without one does not count.
+    None without a row whose x is not 0: they show no slope. Blocks without one are left out; a single block
+    with one gives no interval.
     """
     sums = block_sums(products, blocks)
-    if not sums[:, 1].any():
-        return None
+    shown = sums[sums[:, 1] != 0.0]
 
     def estimate(weight: Array) -> Array:
-        along, square = weight @ sums
-        return np.array([along / square if square > 0.0 else np.nan])
+        along, square = weight @ shown
+        return np.array([along / square])
 
-    return estimate_spread(estimate, len(sums))
+    return estimate_spread(estimate, len(shown)) if len(shown) else None
