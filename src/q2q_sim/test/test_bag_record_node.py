@@ -104,9 +104,7 @@ def test_a_topic_that_is_published_with_another_type_is_named_with_both(
         executor = make_executor()
         executor.add_node(node)
         writing.create_publisher(String, "command", OUTSIDE)
-        deadline = monotonic() + TIMEOUT_S
-        while not recorder.bag.other_types and monotonic() < deadline:
-            executor.spin_once(timeout_sec=0.05)
+        spin_until(executor, lambda: bool(recorder.bag.other_types))
         rclpy.shutdown(context=other)
         recorder.close()
     said = "/command is published as std_msgs/msg/String, not as q2q_msgs/msg/SwarmCommand"
