@@ -10,7 +10,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.commands import identify
 from q2q_model.flights.tables.flight_table import POS, flight_table
 from q2q_model.flights.tables.table_file import read_columns
-from q2q_model.flights.up_axis import FLOOR, y_up_reason
+from q2q_model.flights.units_and_frames.up_axis import FLOOR, y_up_reason
 from q2q_model.signals.values import Array, MocapFrame
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter
-from q2q_model.flights.frame_notes import frame_notes
+from q2q_model.flights.units_and_frames.frame_notes import frame_notes
 from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_model.signals.values import Array, MocapFrame
 from q2q_sim.commands import replay_page, report

@@ -12,7 +12,7 @@ from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.tables.table_log import log_of
 from q2q_model.flights.tables.table_signals import signals_of
-from q2q_model.flights.unit_check import check_flight_metres
+from q2q_model.flights.units_and_frames.unit_check import check_flight_metres
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.flight_recording import Recording
 

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.flights.up_axis import y_up_reason
+from q2q_model.flights.units_and_frames.up_axis import y_up_reason
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import save

@@ -17,7 +17,7 @@ from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
 from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
-from q2q_model.flights.up_axis import y_up_reason
+from q2q_model.flights.units_and_frames.up_axis import y_up_reason
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import Array
 

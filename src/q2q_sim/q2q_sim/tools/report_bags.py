@@ -9,7 +9,7 @@ from pathlib import Path
 from q2q_model.bag import TopicMap, read_facts
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.written_file import write_text
-from q2q_model.flights.frame_notes import frame_notes
+from q2q_model.flights.units_and_frames.frame_notes import frame_notes
 from q2q_model.identification.push.recorded_push import check_weight
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.recordings.filtered_states import with_filtered_states

@@ -9,8 +9,8 @@ import numpy as np
 from q2q_model.bag import BagReader, FlightFacts, TopicMap, read_facts
 from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight, of_rows
-from q2q_model.flights.frame_notes import frame_notes
 from q2q_model.flights.tables.table_file import TABLES
+from q2q_model.flights.units_and_frames.frame_notes import frame_notes
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.identification.push.recorded_push import check_weight, push_record
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle

@@ -15,7 +15,7 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.flights.tables.table_vehicles import AXES, vehicle_prefixes
-from q2q_model.flights.unit_check import check_metres
+from q2q_model.flights.units_and_frames.unit_check import check_metres
 from q2q_model.geometry.rotations import normalised, quat_from_euler
 from q2q_model.signals.values import Array, Mask, Names
 

@@ -7,8 +7,8 @@ from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.flights.reference_remarks import reference_remarks
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference
-from q2q_model.flights.unit_check import check_flight_metres
-from q2q_model.flights.upright_check import body_z, check_upright
+from q2q_model.flights.units_and_frames.unit_check import check_flight_metres
+from q2q_model.flights.units_and_frames.upright_check import body_z, check_upright
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.flown_pieces import (
     common_rows,

@@ -25,7 +25,7 @@ from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import MOTORS, FlightLog, motor_duty
 from q2q_model.flights.interpolated_gaps import interpolate_gaps
-from q2q_model.flights.upright_check import check_upright
+from q2q_model.flights.units_and_frames.upright_check import check_upright
 from q2q_model.geometry.rotations import UP, level_where_unknown, rotate
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord

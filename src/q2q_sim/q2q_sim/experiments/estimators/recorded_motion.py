@@ -19,7 +19,7 @@ from scipy.signal import savgol_filter
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
-from q2q_model.flights.upright_check import check_upright
+from q2q_model.flights.units_and_frames.upright_check import check_upright
 from q2q_model.geometry.rotations import (
     UP,
     ang_vel_between,

@@ -3,8 +3,8 @@
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.up_axis import y_up_reason
-from q2q_model.flights.upright_check import tilt_reason
+from q2q_model.flights.units_and_frames.up_axis import y_up_reason
+from q2q_model.flights.units_and_frames.upright_check import tilt_reason
 
 
 def frame_notes(flight: Flight) -> list[str]:
