@@ -17,6 +17,10 @@ samples, 2002). Intervals take Student's t with
 degrees of freedom (Satterthwaite 1946): fewer if clusters are few or one has most of the information.
 Clusters are flights if there are at least `MANY`, else stretches of time `LONG` times the residuals'
 correlation time (Cameron, Miller, A practitioner's guide to cluster-robust inference, 2015).
+
+Clusters allow for residuals that are correlated in time, not for those that are correlated with their own
+rows J_i, as where residuals are fed back: the estimate is biased then, and its interval is around a wrong
+value.
 """
 
 from collections.abc import Sequence
