@@ -18,10 +18,16 @@ class MocapFilterParams:
     pos_max: float = tunable(
         _LIMITS.pos_max, "largest accepted |x|, |y|, |z| of a position", unit="m", low=0.1
     )
-    speed_max: float = tunable(_LIMITS.speed_max, "largest accepted speed", unit="m/s", low=0.1, high=100.0)
+    speed_max: float = tunable(
+        _LIMITS.speed_max,
+        "largest accepted speed since the last sample, beyond a step of jump_max",
+        unit="m/s",
+        low=0.1,
+        high=100.0,
+    )
     jump_max: float = tunable(
         _LIMITS.jump_max,
-        "largest accepted deviation from the predicted position",
+        "largest accepted deviation from the predicted position, beyond its standard deviation",
         unit="m",
         low=1e-4,
         high=10.0,
