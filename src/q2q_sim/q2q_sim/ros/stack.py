@@ -5,6 +5,7 @@ Within the process signals pass over a bus (q2q_model.signals.local_bus), and on
 Without a recorder in the process the command is published before the signals that led to it.
 """
 
+import sys
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
@@ -19,6 +20,7 @@ from q2q_model.signals.local_bus import LocalBus
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.ros import replanner_node, trajectory_node
 from q2q_sim.loop.flight_output import OUTPUTS
+from q2q_sim.processes.parameter_sections import misspelt_sections
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator
 
@@ -35,6 +37,8 @@ BUILDERS: Mapping[str, Callable[[Node], object]] = {
     "simulator": Simulator,
     "bag_record": Recorder,
 }
+ELSEWHERE = ("radio", "crazyswarm", "bag_play", "view")
+"""Nodes of q2q that run in processes of their own."""
 WRITES: Mapping[str, Collection[str]] = {
     "mocap_filter": ("state",),
     "interference": ("interference",),
@@ -91,4 +95,13 @@ def close_node(made: object) -> None:
 
 def main() -> None:
     """Run the process `stack`."""
-    run_together("stack", build, close_node)
+    run_together("stack", _build, close_node)
+
+
+def _build() -> dict[Node, object]:
+    """Return the nodes, after warnings of sections in parameter files that none of them reads."""
+    made = build()
+    own, *_ = made
+    for note in misspelt_sections(sys.argv, [node.get_name() for node in made], (*BUILDERS, *ELSEWHERE)):
+        own.get_logger().warning(note)
+    return made
