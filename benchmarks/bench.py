@@ -18,7 +18,7 @@ from pathlib import Path
 from area_process import AreaError, Bench
 from compare_checkout import bench_of, compare_rows, comparison_table, has_area
 from q2q_model.commands.argument_types import add_printed_json, output_folder
-from q2q_model.commands.command_line import CLOSED_OUTPUT, CommandLine
+from q2q_model.commands.command_line import CLOSED_OUTPUT, CommandLine, open_standard_error
 from q2q_model.documents.json_file import text_stream, write_json
 from q2q_model.writable_places import STDOUT
 from row import Row
@@ -37,6 +37,7 @@ def areas() -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the chosen areas; return the exit status, 1 if one failed."""
+    open_standard_error()
     args = _parser().parse_args(arguments)
     if refused := _refusal(args):
         print(f"bench: {refused}", file=sys.stderr)

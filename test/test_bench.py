@@ -110,6 +110,14 @@ def test_a_closed_standard_output_is_refused(monkeypatch: pytest.MonkeyPatch, ca
     assert capfd.readouterr().err.startswith("bench: standard output is closed: redirect it")
 
 
+def test_what_is_said_with_standard_error_closed_is_no_part_of_the_document(
+    monkeypatch: pytest.MonkeyPatch, capfd: Capture
+):
+    monkeypatch.setattr(sys, "stderr", None)
+    assert bench.main(["no_area", "--json"]) == 2
+    assert capfd.readouterr() == ("", "")
+
+
 def test_both_values_are_in_the_table_and_the_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
 ):

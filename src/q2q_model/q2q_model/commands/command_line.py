@@ -93,7 +93,7 @@ def run_command(
         interrupted: message after Ctrl-C; the status is 130.
         refused: exit status after a ValueError or OSError, whose notes are printed before it.
     """
-    _open_standard_error()
+    open_standard_error()
     _replace_unprintable()
     own, of_ros = split_at_ros(argv)
     args = line.parse_args(own, Namespace(argv=own, ros_argv=of_ros))
@@ -121,7 +121,7 @@ def run_command(
         return refused
 
 
-def _open_standard_error() -> None:
+def open_standard_error() -> None:
     """Drop errors where standard error is closed (`2>&-`): `print` would write them to standard output."""
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115 - until the process ends
