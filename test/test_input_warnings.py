@@ -129,6 +129,14 @@ def test_unknown_names_that_change_for_ever_are_reported_a_bounded_number_of_tim
     assert sum(one.startswith("reference_safe: ") for one in found) == MOST_WARNINGS
 
 
+def test_the_vehicle_that_stays_missing_is_reported_after_the_others_came_one_by_one(node: Node) -> None:
+    vehicles = tuple(f"cf{k:02d}" for k in range(2 * MOST_WARNINGS))
+    warn = warn_of_missing_names(node, "state", vehicles)
+    for k in range(1, len(vehicles)):
+        warn(0, frame(*vehicles[:k]))
+    assert warnings(node)[-1].startswith(f"state: {vehicles[-1]} missing: ")
+
+
 def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: Node) -> None:
     health = Health()
     stamps = StalledStampWarning(node, "mocap", health)

@@ -1,6 +1,7 @@
 """Warnings of input that is of no use to a node: unknown names, stalled stamps.
 
-Names that change for ever are reported MOST_WARNINGS times at most.
+Names that change for ever are reported MOST_WARNINGS times at most; missing vehicles as many more times as
+there are vehicles, which may come one by one.
 """
 
 from collections.abc import Callable
@@ -22,7 +23,8 @@ def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
     def unknown(names: Names) -> Names:
         return tuple(sorted(set(names) - set(vehicles))) if vehicles else ()
 
-    return _warn_once(node, topic, unknown, lambda _: f"ignored: vehicles are {', '.join(vehicles)}")
+    why = f"ignored: vehicles are {', '.join(vehicles)}"
+    return _warn_once(node, topic, unknown, lambda _: why, MOST_WARNINGS)
 
 
 def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> TakeSignal:
@@ -31,11 +33,14 @@ def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
     def missing(names: Names) -> Names:
         return tuple(sorted(set(vehicles) - set(names)))
 
-    return _warn_once(node, topic, missing, lambda names: f"missing: it has {', '.join(names) or 'none'}")
+    def why(names: Names) -> str:
+        return f"missing: it has {', '.join(names) or 'none'}"
+
+    return _warn_once(node, topic, missing, why, MOST_WARNINGS + len(vehicles))
 
 
 def _warn_once(
-    node: Node, topic: str, differ: Callable[[Names], Names], why: Callable[[Names], str]
+    node: Node, topic: str, differ: Callable[[Names], Names], why: Callable[[Names], str], most: int
 ) -> TakeSignal:
     warned: set[Names] = {()}
     last: Names | None = None
@@ -46,7 +51,7 @@ def _warn_once(
             return
         last = signal.names
         different = differ(last)
-        if different not in warned and len(warned) <= MOST_WARNINGS:
+        if different not in warned and len(warned) <= most:
             warned.add(different)
             node.get_logger().warning(f"{topic}: {', '.join(different)} {why(last)}")
 
