@@ -76,11 +76,8 @@ QUESTIONS = (
 """Question, file under src/PACKAGE, and the public class, function or constant that answers it."""
 MIXED_TUPLES = {
     "q2q_control/q2q_control/mpc/limited_command.py:write_commands(tick)",
-    "q2q_control/q2q_control/pid/pid_kernel.py:pid_commands(law)",
     "q2q_control/q2q_control/pid/pid_kernel.py:pid_commands(tick)",
-    "q2q_model/q2q_model/downwash/predictor_kernel.py:write_present(sums)",
     "q2q_model/q2q_model/estimation/nominal_frame.py:nominal_frame(memory)",
-    "q2q_sim/q2q_sim/link/radio_kernel.py:deliver_packets(onboard)",
     "q2q_sim/q2q_sim/link/radio_kernel.py:send_packets(chance)",
     "q2q_sim/q2q_sim/link/radio_kernel.py:send_packets(commands)",
     "q2q_sim/q2q_sim/link/radio_kernel.py:send_packets(flying)",
@@ -135,7 +132,8 @@ def lines(node: ast.stmt) -> int:
 def is_mixed(annotation: ast.expr, path: Path | None = None) -> bool:
     """Return whether a type contains a tuple of three or more elements of several types.
 
-    Names that the module at `path` gives to types, or imports, are resolved.
+    Names that the module at `path` gives to types, or imports, are resolved. A name for the fields of a named
+    tuple beside it, which says what they are, counts as one type.
     """
     for node in ast.walk(annotation):
         if isinstance(node, ast.Subscript) and ast.unparse(node.value) == "tuple":
@@ -144,9 +142,17 @@ def is_mixed(annotation: ast.expr, path: Path | None = None) -> bool:
             if "..." not in kinds and len(kinds) > 2 and len(set(kinds)) > 1:
                 return True
         named = aliased(node.id, path) if path and isinstance(node, ast.Name) else None
-        if named and is_mixed(*named):
+        if named and not is_of_fields(*named) and is_mixed(*named):
             return True
     return False
+
+
+def is_of_fields(alias: ast.expr, path: Path) -> bool:
+    """Return whether a type is the tuple of the fields of a named tuple of its module."""
+    classes = [node for node in parsed(path).body if isinstance(node, ast.ClassDef)]
+    named = [one for one in classes if "NamedTuple" in map(ast.unparse, one.bases)]
+    fields = [[node.annotation for node in one.body if isinstance(node, ast.AnnAssign)] for one in named]
+    return ast.unparse(alias) in {f"tuple[{', '.join(map(ast.unparse, one))}]" for one in fields}
 
 
 @cache

@@ -151,7 +151,7 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
     pos, inputs = np.full((n, STAGES + 1, 3), np.nan), np.full((n, STAGES, 3), np.nan)
     active_set = np.zeros((n, STAGES, 3), np.int8)
     solution = HorizonSolution(pos, inputs, active_set, np.zeros(n, np.int8), 0)
-    used, finite = solve_group(Group(shape, group, 30), horizon, downwash, warm_start, solution)
+    used, finite = solve_group(Group(shape, group, 30), warm_start, horizon, downwash, solution)
     start = np.stack([warm_start[v, :, axis] for v in group for axis in (0, 2)], axis=1)
     apart = solve(joint_problem(shape, group, horizon, downwash), start, 30)
     assert (used, finite) == (apart.iterations, True)

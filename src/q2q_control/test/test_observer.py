@@ -32,7 +32,9 @@ def test_measured_rows_are_the_tables_and_thrust_turned_into_the_world():
     table[:, TRACK] = [TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.TRACKED]
     before, mass = RNG.normal(size=(3, 3)), 0.035
     now, mean = RNG.uniform(0.2, 0.5, (2, 3))
-    rows, acc, eta = measured_rows((table, np.array([True, True, False])), before, (now, mean), mass)
+    usable = np.array([True, True, False])
+    measured, acc, eta = measured_rows((table, usable), before, (now, mean), mass)
+    rows = MeasuredRows(*measured)
     up = rotate(table[:, QUAT], np.array([0.0, 0.0, 1.0]))
     weight = np.array([0.0, 0.0, GRAVITY])
     assert np.allclose(acc, now[:, None] / mass * up - weight, atol=1e-13)

@@ -64,6 +64,10 @@ class ThrustLimits(NamedTuple):
     """[rad/s]"""
 
 
+PlainLimits = tuple[float, float, float, bool, float, float]
+"""Fields of ThrustLimits, which numba takes from Python in less than half the time."""
+
+
 def largest_thrust(vehicle: Vehicle, bound: float | None) -> float:
     """Return the largest collective thrust that a controller may command [N].
 

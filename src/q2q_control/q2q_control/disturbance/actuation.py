@@ -17,11 +17,10 @@ a command sent now takes effect: `Pending`.
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.disturbance.thrust_acceleration import Command, thrust_acc_of_command
+from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_command
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmCommand, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
@@ -47,24 +46,18 @@ class _Sent:
     acc: Array
 
 
-class LaggedPart(NamedTuple):
-    """Part of a tick in which one command acts."""
-
-    seconds: float
-    """Its length [s]."""
-    lag: float
-    """Of the thrust [s]."""
-    keep: float
-    """Share of the thrust's difference from its command that is left in the end [-]."""
-
-
 @compiled
-def follow_command(thrust: Array, impulse: Array, command: Array, part: LaggedPart) -> None:
-    """Let the thrust follow a command [N], and add to its impulse [N s], (n,) each."""
+def follow_command(thrust: Array, impulse: Array, command: Array, part: tuple[float, float, float]) -> None:
+    """Let the thrust follow a command [N] for a time, and add to its impulse [N s], (n,) each.
+
+    `part` is that time [s], the lag of the thrust [s], and the share of the thrust's difference from its
+    command that is left in the end [-].
+    """
+    seconds, lag, keep = part
     for v in range(thrust.size):
         rest = thrust[v] - command[v]
-        impulse[v] += command[v] * part.seconds + rest * part.lag * (1.0 - part.keep)
-        thrust[v] = command[v] + part.keep * rest
+        impulse[v] += command[v] * seconds + rest * lag * (1.0 - keep)
+        thrust[v] = command[v] + keep * rest
 
 
 class Actuation:
@@ -94,7 +87,7 @@ class Actuation:
         impulse = np.zeros(len(names))
         for seconds, sent in self._acting(self._t, t):
             keep = math.exp(-seconds / lag) if lag > 0.0 else 0.0
-            follow_command(self.thrust, impulse, sent.thrust, LaggedPart(seconds, lag, keep))
+            follow_command(self.thrust, impulse, sent.thrust, (seconds, lag, keep))
         self._t = t
         self.mean_thrust = impulse / elapsed if self._sent and elapsed > 0.0 else self.thrust
 
@@ -105,7 +98,7 @@ class Actuation:
 
     def sent(self, command: SwarmCommand, quat: Array) -> None:
         """Remember a command of the tick last advanced to; `quat` (n, 4) gives the vehicles' yaw."""
-        rows = Command(command.thrust, command.roll, command.pitch)
+        rows = command.thrust, command.roll, command.pitch
         acc = thrust_acc_of_command(rows, np.ascontiguousarray(quat), self._vehicle.mass)
         self._sent.append(_Sent(self._t, command.thrust, acc))
         while len(self._sent) > 1 and self._sent[1].t + self._latency <= self._t:

@@ -4,7 +4,6 @@ Compiled, because for a few vehicles numpy's calls cost ten times the arithmetic
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,14 +11,6 @@ from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-
-
-class Command(NamedTuple):
-    """Thrust [N], roll and pitch [rad] of n vehicles, (n,) each."""
-
-    thrust: Array
-    roll: Array
-    pitch: Array
 
 
 @compiled
@@ -36,9 +27,12 @@ def thrust_acc_of_quat(quat: Array, thrust: Array, mass: float) -> Array:
 
 
 @compiled
-def thrust_acc_of_command(command: Command, quat: Array, mass: float) -> Array:
-    """Return the acceleration by thrust of commands at the yaw of `quat` (n, 4) [m/s^2], world, (n, 3)."""
-    thrust, roll, pitch = command.thrust, command.roll, command.pitch
+def thrust_acc_of_command(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
+    """Return the acceleration by thrust of commands at the yaw of `quat` (n, 4) [m/s^2], world, (n, 3).
+
+    A command is thrust [N], roll and pitch [rad], (n,) each.
+    """
+    thrust, roll, pitch = command
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
         yaw = yaw_of(quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3])

@@ -12,7 +12,13 @@ import numpy as np
 from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
 from q2q_control.disturbance.actuation import Actuation, Pending
-from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, MeasuredRows, Measurement
+from q2q_control.disturbance.observer import (
+    DisturbanceObserver,
+    Estimate,
+    MeasuredRows,
+    Measurement,
+    PlainRows,
+)
 from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RESIDUAL, ResidualObserver
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
@@ -99,7 +105,7 @@ class DisturbanceTracker:
         thrusts = self._actuation.thrust, self._actuation.mean_thrust
         rows, acc, self._eta = measured_rows((tick.table, tick.usable), before, thrusts, self._mass)
         self._names = tick.names
-        measured = Measurement(tick.t, tick.names, rows)
+        measured = Measurement(tick.t, tick.names, MeasuredRows(*rows))
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._residual_observer is not None:
             eta, quat = self._eta[:, 2], tick.table[:, QUAT].copy()
@@ -133,7 +139,7 @@ def _with_vertical(estimate: Estimate, state: Array, most: float) -> Estimate:
 @compiled
 def measured_rows(
     tick: tuple[Array, Mask], before: Array, thrusts: tuple[Array, Array], mass: float
-) -> tuple[MeasuredRows, Array, Array]:
+) -> tuple[PlainRows, Array, Array]:
     """Return a tick's measurements, the acceleration by thrust now and the downwash now [m/s^2], (n, 3).
 
     Args:
@@ -153,4 +159,4 @@ def measured_rows(
             pos[v, axis], vel[v, axis] = table[v, POS_AT + axis], table[v, VEL_AT + axis]
             eta[v, axis] = table[v, ETA_AT + axis]
             explained[v, axis] += 0.5 * (before[v, axis] + eta[v, axis])
-    return MeasuredRows(pos, vel, explained, fresh), acc, eta
+    return (pos, vel, explained, fresh), acc, eta

@@ -129,14 +129,14 @@ class Mpc:
             yaw_rate_max=params.yaw_rate_max,
         )
         side = GRAVITY * math.tan(params.tilt_max) / math.sqrt(2.0)  # a square in the circle
-        self._acceleration_limits = AccelerationLimits(side, thrust_max / self._vehicle.mass)
+        self._acceleration_limits = (*AccelerationLimits(side, thrust_max / self._vehicle.mass),)
         axes = axis_models(params, self._vehicle)
         share = np.array([1.0 - float(axis.transition[2, 2]) for axis in axes])
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
         self._slew_max = rates * params.step / share
         hover = min(self._vehicle.hover_thrust, thrust_max)
         self._last_commands = LastCommands(HoldThenLevel(params.hold_duration, hover))
-        self._law = CommandLaw(limits, thrust_max * (1.0 - 1e-9), self._last_commands.rule.numbers)
+        self._law = (*CommandLaw((*limits,), thrust_max * (1.0 - 1e-9), self._last_commands.rule.numbers),)
         self._command_rule = command_rule(params)
         self.reset()
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.attitude.thrust_vector import Excess, ThrustLimits, write_command
+from q2q_control.attitude.thrust_vector import Excess, PlainLimits, ThrustLimits, write_command
 from q2q_control.failsafe.last_commands import Last, complete_commands
 from q2q_control.inputs.alignment import ETA_AT, POS_AT, REF_ACC_AT, REF_POS_AT, REF_VEL_AT, VEL_AT
 from q2q_model.compiled import compiled
@@ -33,9 +33,9 @@ class PidGains(NamedTuple):
 
 PidTick = tuple[float, float, Array, Mask]
 """Time, and time since the last tick [s], table, and which of its rows are usable, (n,)."""
-Law = tuple[
-    tuple[Array, Array, Array, Array, tuple[float, float]], tuple[float, float, float, bool, float, float]
-]
+PlainGains = tuple[Array, Array, Array, Array, tuple[float, float]]
+"""Fields of PidGains, which numba takes from Python in less than half the time."""
+Law = tuple[PlainGains, PlainLimits]
 """PidGains and ThrustLimits."""
 
 

@@ -35,7 +35,7 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     sum_downwash,
     within_reach,
 )
-from q2q_control.mpc.prediction.jet_downwash import JetRule, sum_near_jets
+from q2q_control.mpc.prediction.jet_downwash import JetRule, PlainRule, sum_near_jets
 from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.downwash.interaction_model import (
     InteractionModel,
@@ -88,13 +88,13 @@ def predict_downwash(
     pairs = _pairs_to_check(model.reach, tracks, others.own if others is not None and not absorption else n)
     jets = _jet_rule(model, rule) if isinstance(model, Jet) and not absorption else None
     if others is None and jets is not None:
-        return sum_near_jets(jets, tracks, pairs)
+        return DownwashHorizon(*sum_near_jets(jets, (*tracks,), pairs))
     i, j = _near(model.reach, tracks, pairs)
     if i.size == 0:
         return no_downwash(tracks)
     widened = others is not None and others.spread[j].max() > NEGLIGIBLE_SPREAD
     if jets is not None and not widened:
-        return sum_near_jets(jets, tracks, (i, j))
+        return DownwashHorizon(*sum_near_jets(jets, (*tracks,), (i, j)))
     law = _law_of(model, tracks, (i, j), rule, others.spread[j] if others is not None and widened else None)
     if absorption:
         vertical = np.ascontiguousarray(law[0, ..., 2])
@@ -104,9 +104,9 @@ def predict_downwash(
 
 
 @lru_cache(maxsize=KNOWN_MODELS)
-def _jet_rule(model: Jet, rule: GradientRule) -> JetRule:
+def _jet_rule(model: Jet, rule: GradientRule) -> PlainRule:
     reach = model.reach.horizontal, model.reach.vertical
-    return JetRule(np.array(jet_law(model)), np.array(rule.moves), rule.slope_max, reach)
+    return (*JetRule(np.array(jet_law(model)), np.array(rule.moves), rule.slope_max, reach),)
 
 
 def _summed(law: Array, tracks: Tracks, pairs: OrderedPairs, rule: GradientRule) -> DownwashHorizon:

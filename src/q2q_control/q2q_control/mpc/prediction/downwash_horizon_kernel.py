@@ -36,6 +36,10 @@ class Tracks(NamedTuple):
     """Index of the horizon's first stage."""
 
 
+PlainTracks = tuple[Array, Array, Array, Array, int]
+"""Fields of Tracks, which numba takes from Python in less than half the time."""
+
+
 @compiled
 def bounding_boxes(path: Array) -> tuple[Array, Array]:
     """Return the centre of each vehicle's bounding box (n, 3) and the largest half size (3,).

@@ -34,11 +34,13 @@ def level_bounds(thrust: float) -> tuple[float, float]:
 
 
 @compiled
-def input_bounds(quat: Array, most: AccelerationLimits, kept: Array) -> tuple[Array, Array]:
+def input_bounds(quat: Array, limits: tuple[float, float], kept: Array) -> tuple[Array, Array]:
     """Return the least input (n, 3) and the largest of each stage (n, N, 3) [m/s^2] at attitudes (n, 4).
 
-    On z, a stage keeps `kept` (n, N) of the largest input, down to the least one.
+    On z, a stage keeps `kept` (n, N) of the largest input, down to the least one. `limits` are the fields of
+    AccelerationLimits.
     """
+    most = AccelerationLimits(*limits)
     n, stages = kept.shape
     low, high = np.empty((n, 3)), np.empty((n, stages, 3))
     for v in range(n):

@@ -39,6 +39,10 @@ class GroupShape(NamedTuple):
     """(n, 2)."""
 
 
+PlainShape = tuple[Rows, Array, Array, Array, Array, Array, Array]
+"""Fields of a GroupShape, which numba takes from Python in less than half the time."""
+
+
 def group_shape(
     size: int, axes: tuple[int, ...], models: AxisModels, terminal_weight: float = 1.0
 ) -> GroupShape:

@@ -18,9 +18,12 @@ from q2q_control.mpc.problem.horizon import (
     DownwashHorizon,
     Horizon,
     HorizonSolution,
+    PlainDownwash,
+    PlainHorizon,
+    PlainSolution,
     blank_solution,
 )
-from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
+from q2q_control.mpc.problem.joint_problem import PlainShape, group_shape
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import gains_of_table, gains_table, sweep_axes, sweep_gains
@@ -63,7 +66,7 @@ class HorizonSolver:
         self._models, self._rules = models, rules
         self._coupling = np.isin(range(3), rules.coupled), rules.group_max
         self._gains = np.stack([gains_table(sweep_gains(models[axis])) for axis in (0, 2)])
-        self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
+        self._shapes: dict[tuple[int, tuple[int, ...]], PlainShape] = {}
 
     def solve(
         self, horizon: Horizon, downwash: DownwashHorizon, warm_start: ActiveSet, in_time: InTime
@@ -73,20 +76,19 @@ class HorizonSolver:
         `in_time` is called before each problem that the sweep does not solve; False leaves it INTERRUPTED.
         """
         solution = blank_solution(*horizon.push.shape[:2])
-        groups = self._swept(horizon, downwash, solution)
+        tick = (*horizon,), (*downwash,), (*solution,)
         most, status = 1, solution.status
-        for group in groups:
-            rows = group.vehicles
+        for group in self._swept(*tick):
             if not in_time():
-                status[rows] = INTERRUPTED
+                status[group.vehicles] = INTERRUPTED
                 continue
-            result = solve_group(group, horizon, downwash, warm_start, solution)
-            most = max(most, int(result.iterations))
-            if not result.finite:
-                status[rows] = INTERRUPTED
+            used, finite = solve_group((*group,), warm_start, *tick)
+            most = max(most, used)
+            if not finite:
+                status[group.vehicles] = INTERRUPTED
         return solution._replace(iterations=most)
 
-    def _swept(self, horizon: Horizon, downwash: DownwashHorizon, solution: HorizonSolution) -> list[Group]:
+    def _swept(self, horizon: PlainHorizon, downwash: PlainDownwash, solution: PlainSolution) -> list[Group]:
         """Sweep all axes that no downwash couples; return the groups, then axes that cross a bound."""
         root, crossing = _group_and_sweep(horizon, downwash, self._coupling, self._gains, solution)
         groups = [self._group(vehicles, self._rules.coupled) for vehicles in groups_of(root)]
@@ -97,7 +99,8 @@ class HorizonSolver:
     def _group(self, vehicles: list[int], axes: tuple[int, ...]) -> Group:
         key = (len(vehicles), axes)
         if key not in self._shapes:
-            self._shapes[key] = group_shape(len(vehicles), axes, self._models, self._rules.terminal_weight)
+            shape = group_shape(len(vehicles), axes, self._models, self._rules.terminal_weight)
+            self._shapes[key] = (*shape,)
         return Group(self._shapes[key], np.array(vehicles), self._rules.iterations_max)
 
 
@@ -123,24 +126,25 @@ def groups_of(root: Rows) -> list[list[int]]:
 
 @compiled
 def _group_and_sweep(
-    horizon: Horizon,
-    downwash: DownwashHorizon,
+    horizon: PlainHorizon,
+    downwash: PlainDownwash,
     coupling: tuple[Mask, int],
     gains: Array,
-    solution: HorizonSolution,
+    solution: PlainSolution,
 ) -> tuple[Rows, Mask]:
     """Write the axes that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
 
     `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group; `gains` are tables
     of x and y, then of z, (2, 13, 3).
     """
-    axes, most = coupling
-    root = group_roots(downwash, horizon.push.shape[0], most)
+    (axes, most), out = coupling, HorizonSolution(*solution)
+    root = group_roots(DownwashHorizon(*downwash), out.status.size, most)
     free = np.ones((root.size, 3), np.bool_)
     for v in range(root.size):
         for axis in range(3):
             free[v, axis] = root[v] < 0 or not axes[axis]
-    return root, sweep_axes(horizon, free, (gains_of_table(gains[0]), gains_of_table(gains[1])), solution)
+    sides = gains_of_table(gains[0]), gains_of_table(gains[1])
+    return root, sweep_axes(Horizon(*horizon), free, sides, out)
 
 
 @compiled
