@@ -6,7 +6,7 @@ A command of the tick s acts from s + latency on, and thrust follows it with a l
     a  = f / m R(q) e_z - g e_z            acceleration by thrust, with the measured attitude
 
 So the present acceleration is known without differentiation, and so is that of the commands in transit, until
-a command sent now takes effect: `Pending`.
+a command sent now takes effect: `Actuation.pending`.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -30,20 +30,15 @@ LONGEST_GAP = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Pending:
-    """Commands that take effect between now and `latency` from now, in order."""
+class SentCommand:
+    """Command of one tick."""
 
-    durations: tuple[float, ...]
-    """[s]"""
-    acc: tuple[Array, ...]
-    """Commanded acceleration [m/s^2], world, (n, 3) each."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Sent:
     t: float
+    """Stamp of the tick [s]."""
     thrust: Array
+    """[N], (n,)."""
     acc: Array
+    """Commanded acceleration [m/s^2], world, (n, 3)."""
 
 
 @compiled
@@ -72,7 +67,7 @@ class Actuation:
     def reset(self) -> None:
         """Forget all commands; the vehicles are assumed to hover."""
         self._names: Names = ()
-        self._sent: list[_Sent] = []
+        self._sent: list[SentCommand] = []
         self._t = -np.inf
         self.thrust = self.mean_thrust = np.zeros(0)
 
@@ -91,22 +86,21 @@ class Actuation:
         self._t = t
         self.mean_thrust = impulse / elapsed if self._sent and elapsed > 0.0 else self.thrust
 
-    def pending(self) -> Pending:
-        """Return the commands in effect until one sent now takes over."""
-        parts = [(s, sent.acc) for s, sent in self._acting(self._t, self._t + self._latency) if s > 0.0]
-        return Pending(tuple(s for s, _ in parts), tuple(acc for _, acc in parts))
+    def pending(self) -> list[tuple[float, SentCommand]]:
+        """Return the commands in effect until one sent now takes over, in order, with their durations [s]."""
+        return self._acting(self._t, self._t + self._latency)
 
     def sent(self, command: SwarmCommand, quat: Array) -> None:
         """Remember a command of the tick last advanced to; `quat` (n, 4) gives the vehicles' yaw."""
         rows = command.thrust, command.roll, command.pitch
         acc = thrust_acc_of_command(rows, np.ascontiguousarray(quat), self._vehicle.mass)
-        self._sent.append(_Sent(self._t, command.thrust, acc))
+        self._sent.append(SentCommand(self._t, command.thrust, acc))
         while len(self._sent) > 1 and self._sent[1].t + self._latency <= self._t:
             self._sent.pop(0)  # the next one is in effect already
 
-    def _acting(self, start: float, end: float) -> list[tuple[float, _Sent]]:
+    def _acting(self, start: float, end: float) -> list[tuple[float, SentCommand]]:
         """Return the commands in effect between two times, in order, with their durations [s]."""
-        parts: list[tuple[float, _Sent]] = []
+        parts: list[tuple[float, SentCommand]] = []
         for k, sent in enumerate(self._sent):
             begins = sent.t + self._latency if k > 0 else -np.inf
             ends = self._sent[k + 1].t + self._latency if k + 1 < len(self._sent) else np.inf
@@ -118,7 +112,7 @@ class Actuation:
     def _reorder(self, names: Names) -> None:
         have, hover = self._names, self._vehicle.hover_thrust  # a new vehicle hovers
         self._sent = [
-            _Sent(
+            SentCommand(
                 sent.t,
                 rows_by_name(sent.thrust, have, names, hover),
                 rows_by_name(sent.acc, have, names),

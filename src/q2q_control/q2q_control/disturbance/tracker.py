@@ -11,7 +11,7 @@ import numpy as np
 
 from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
-from q2q_control.disturbance.actuation import Actuation, Pending
+from q2q_control.disturbance.actuation import Actuation, SentCommand
 from q2q_control.disturbance.observer import (
     DisturbanceObserver,
     Estimate,
@@ -66,8 +66,8 @@ class Tracked:
     estimate: Estimate
     acc: Array
     """Acceleration by thrust now [m/s^2], world, (n, 3)."""
-    pending: Pending
-    """Commands that take effect before one given now."""
+    pending: list[tuple[float, SentCommand]]
+    """Commands in effect until one given now takes over, in order, with their durations [s]."""
     residual: Array
     """Part of the vertical disturbance that fades within the correlation time [m/s^2], (n,)."""
 

@@ -22,8 +22,6 @@ from q2q_model.vehicle.constants import Vehicle
 class InitialState:
     """State in which a command given now finds the vehicles."""
 
-    t: float
-    """[s]: the tick's stamp plus the latency."""
     states: Array
     """Position, velocity, acceleration by thrust of each axis, (n, 3 axes, 3)."""
     disturbance: Array
@@ -52,11 +50,11 @@ class InitialStateEstimator:
             pos, vel, disturbance = tick.table[:, POS], tick.table[:, VEL], np.zeros_like(disturbance)
         states = np.empty((*pos.shape, 3))
         states[..., 0], states[..., 1], states[..., 2] = pos, vel, tracked.acc
-        if tracked.pending.durations:
+        if tracked.pending:
             push = tick.table[:, ETA] + disturbance
-            for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
-                roll_states(states, seconds, acc, push, self._lags)
-        return InitialState(tick.t + self._params.latency, states, disturbance, tracked.residual)
+            for seconds, command in tracked.pending:
+                roll_states(states, seconds, command.acc, push, self._lags)
+        return InitialState(states, disturbance, tracked.residual)
 
     def sense(self, imu: SwarmImu) -> None:
         """Take accelerometers of a tick."""
