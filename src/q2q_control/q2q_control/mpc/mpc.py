@@ -169,7 +169,8 @@ class Mpc:
         references = shifted_preview(setpoint, self._preview, times)
         reference = future_reference(tick, setpoint, references, times)
         neighbours = self._neighbours(state, setpoint, references, times)
-        forecast = self._forecaster.forecast(tick, reference, neighbours, aware=interference is not None)
+        aware = interference is not None
+        forecast = self._forecaster.forecast(tick, reference, times, neighbours, aware=aware)
         if interference is not None and (self._params.loading > 0.0 or np.count_nonzero(interference.status)):
             correct_downwash(tick, interference, forecast.downwash, self._params)
         horizon = self._horizon(tick, self._initial_state.update(tick), forecast)

@@ -55,9 +55,18 @@ class Forecaster:
         """Return the times of the stages of a tick at t, (N + 1,) [s]."""
         return np.asarray(t + self._params.latency + self._ahead, dtype=np.float64)
 
-    def forecast(self, tick: Aligned, reference: Array, neighbours: Neighbours, *, aware: bool) -> Forecast:
-        """Return the forecast of the tick's vehicles, without downwash unless `aware`."""
-        times = self.stages(tick.t)
+    def forecast(
+        self, tick: Aligned, reference: Array, times: Array, neighbours: Neighbours, *, aware: bool
+    ) -> Forecast:
+        """Return the forecast of the tick's vehicles, without downwash unless `aware`.
+
+        Args:
+            tick: the controlled vehicles.
+            reference: theirs at `times`, (n, N + 1, 9).
+            times: of the stages, (N + 1,) [s].
+            neighbours: the vehicles of other controllers.
+            aware: whether the downwash is predicted.
+        """
         previous = self._previous.shifted(tick.names, float(times[0]))
         path = reference[..., :3] + previous.offset
         if not tick.all_usable:
@@ -68,11 +77,11 @@ class Forecaster:
         if neighbours.names:
             certain = np.zeros(len(tick.names))
             others = Others(len(tick.names), np.concatenate((certain, neighbours.spread)))
+            path = np.concatenate((path, neighbours.path))
         downwash = (
             predict_downwash(self._model, tracks, self._gradients, others) if aware else no_downwash(tracks)
         )
-        predicted = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
-        return Forecast(reference, previous, downwash, predicted)
+        return Forecast(reference, previous, downwash, path)
 
     def keep(self, names: Names, solution: PredictedSolution) -> None:
         """Remember the solutions of a tick."""

@@ -9,6 +9,7 @@ longest downwash delay.
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -101,10 +102,10 @@ class VehicleTracks:
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
         """Return the weight of each vehicle's downwash by visibility, (n,); move negligible ones far away."""
-        trust = np.ones(len(tick.names))
         if tick.all_usable:
             self._unseen = {}
-            return trust
+            return _full_trust(len(tick.names))
+        trust = np.ones(len(tick.names))
         for row, name in enumerate(tick.names):
             if tick.seen[row]:
                 self._unseen.pop(name, None)
@@ -114,6 +115,12 @@ class VehicleTracks:
             if trust[row] < NEGLIGIBLE or not np.isfinite(path[row]).all():
                 trust[row], path[row] = 0.0, FAR * (1.0 + row)
         return trust
+
+
+@lru_cache
+def _full_trust(vehicles: int) -> Array:
+    """Return a weight of 1 for so many vehicles, which nobody changes."""
+    return np.ones(vehicles)
 
 
 def _reordered(past: Past, rows: Rows, here: Array) -> Past:
