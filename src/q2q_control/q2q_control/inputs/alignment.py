@@ -23,7 +23,6 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
     index_of,
-    predicted_eta,
 )
 
 LARGEST_VALUE = 1e4
@@ -77,8 +76,10 @@ def align(
     plan = (setpoint.pos, setpoint.vel, setpoint.acc, setpoint.yaw[:, None], setpoint.yaw_rate[:, None])
     *motion, track = _picked(moving, state.names, names)
     asked = _picked(plan, setpoint.names, names)
-    eta = predicted_eta(interference, names)
-    np.concatenate((*motion, *asked, eta, track), axis=1, out=table)
+    eta: tuple[Array | Status, ...] = (np.zeros((len(names), 3)),)
+    if interference is not None:
+        eta = _picked((interference.acc,), interference.names, names)
+    np.concatenate((*motion, *asked, *eta, track), axis=1, out=table)
     return Aligned(setpoint.t, names, usable, seen, mark_usable(table, usable, seen), table)
 
 

@@ -83,11 +83,11 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
 
 def _ahead(here: Array, names: Names, preview: ReferencePreview | None, asked: Array) -> Array:
     """Return the references (n, K, 9) at `asked` (1 + K,) [s] but the first, the time of `here` (n, 9)."""
+    plan = preview.at(names, asked) if preview is not None else None
+    if plan is not None and is_on_plan(here, plan):
+        return plan[:, 1:]
     ahead = (asked[1:] - asked[0])[:, None]
-    if preview is None:
-        return _coasting(here, ahead)
-    plan = preview.at(names, asked)
-    return plan[:, 1:] if is_on_plan(here, plan) else _off_plan(here, plan, ahead)
+    return _coasting(here, ahead) if plan is None else _off_plan(here, plan, ahead)
 
 
 def _off_plan(here: Array, plan: Array, ahead: Array) -> Array:
