@@ -71,12 +71,13 @@ def align(
     Vehicles missing from a signal get unusable rows; downwash that is missing or not finite is 0.
     """
     names = vehicles or setpoint.names
-    table, (usable, seen) = np.empty((len(names), _WIDTH)), np.empty((2, len(names)), dtype=np.bool_)
+    n = len(names)
+    table, usable, seen = np.empty((n, _WIDTH)), np.empty(n, np.bool_), np.empty(n, np.bool_)
     moving = (state.pos, state.vel, state.quat, state.status[:, None])
     plan = (setpoint.pos, setpoint.vel, setpoint.acc, setpoint.yaw[:, None], setpoint.yaw_rate[:, None])
     *motion, track = _picked(moving, state.names, names)
     asked = _picked(plan, setpoint.names, names)
-    eta: tuple[Array | Status, ...] = (np.zeros((len(names), 3)),)
+    eta: tuple[Array | Status, ...] = (np.zeros((n, 3)),)
     if interference is not None:
         eta = _picked((interference.acc,), interference.names, names)
     np.concatenate((*motion, *asked, *eta, track), axis=1, out=table)

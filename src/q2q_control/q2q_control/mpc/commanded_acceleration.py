@@ -90,7 +90,7 @@ def commanded_acceleration(
     Rows of `solution` that failed are overwritten by the last solution.
     """
     old, acc = forecast.previous, np.empty((len(solution.status), 3))
-    offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
+    offset, solved = np.empty(old.offset.shape), np.empty(old.solved.shape)
     new = PredictedSolution(old.start, offset, solution.inputs, solution.active_set, solved)
     shifted, pd = _choose((*solution,), (*horizon,), ((*old,), (*new,)), rule, acc)
     sources = CommandSources(len(acc) - shifted - pd, shifted, pd)

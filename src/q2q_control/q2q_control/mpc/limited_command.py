@@ -36,8 +36,7 @@ def limited_command(tick: Aligned, acc: Array, law: PlainLaw, last: Last) -> Swa
     """Return the command that gives accelerations (n, 3) [m/s^2], world; store it in `last`."""
     out, status = np.empty((4, len(acc))), np.empty(len(acc), np.uint8)
     write_commands((tick.t, tick.table, tick.usable), acc, law, last, (out, status))
-    thrust, roll, pitch, yaw_rate = out
-    return SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
+    return SwarmCommand(tick.t, tick.names, out[0], out[1], out[2], out[3], status)
 
 
 @compiled

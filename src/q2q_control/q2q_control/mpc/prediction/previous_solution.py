@@ -56,9 +56,9 @@ class PreviousSolution:
         late = max((start - old.start) / self._step, 0.0) if math.isfinite(old.start) else 0.0
         new = PredictedSolution(
             start,
-            np.empty_like(old.offset),
-            np.empty_like(old.inputs),
-            np.empty_like(old.active_set),
+            np.empty(old.offset.shape),
+            np.empty(old.inputs.shape),
+            np.empty(old.active_set.shape, np.int8),
             old.solved,
         )
         _shift(late, (*old,), (*new,))
