@@ -31,9 +31,11 @@ from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.predictor_kernel import (
     InteractionSums,
     PairInteractions,
+    PlainJet,
     find_pairs,
     sum_over_sources,
     write_present,
+    write_retarded,
 )
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
@@ -62,7 +64,7 @@ class InteractionPredictor:
         """Take a model, with what does not change from tick to tick."""
         self.model, self._terms, reach = model, source_terms(model), model.reach
         self._bounds = reach.horizontal, reach.vertical, model.max_delay
-        self._present = _present_law(model)
+        self._jet = _plain_jet(model)
 
     def reset(self) -> None:
         """Clear the history."""
@@ -81,14 +83,14 @@ class InteractionPredictor:
         """Return the downwash on every vehicle of `state`, in its order."""
         if is_repeated(self._last, state.t, state.names):
             return self._last
-        states = np.concatenate((state.pos, state.vel, state.quat), axis=1, dtype=np.float64)  # (n, 10)
-        states[np.isinf(state.age)] = np.nan  # never seen: its position is none
+        columns = state.pos, state.vel, state.quat, state.age[:, None]
+        states = np.concatenate(columns, axis=1, dtype=np.float64)  # (n, 11)
         acc, std = np.empty(state.pos.shape), np.empty(state.pos.shape)
         status = np.empty(len(state.names), dtype=np.uint8)
-        if self._present is None:
+        if self._jet is None or self.model.max_delay > 0.0:
             self._sum(state, states, InteractionSums(acc, std, status))
         else:
-            write_present(states, state.status.copy(), self._bounds, self._present, (acc, std, status))
+            write_present(states, state.status.copy(), self._bounds, self._jet, (acc, std, status))
         self._last = Interference(state.t, state.names, acc, std, status)
         return self._last
 
@@ -97,11 +99,15 @@ class InteractionPredictor:
         now = np.empty((len(state.names), 9))
         pairs = find_pairs(states, now, self._bounds)
         past = self._remember(state, now)
+        if self._jet is not None:
+            tick = state.t, now, state.status.copy()
+            write_retarded(pairs, tick, past.held, self._jet, (*sums,))
+            return
         try:
             outputs = self._outputs(state, now, pairs, past) if pairs[0].size else _NO_PAIR
         except ModelOutputError as error:
             raise _with_names(error, state, pairs) from error
-        sum_over_sources(pairs, outputs, states, self._bounds[0] > 0.0, sums)
+        sum_over_sources(pairs, outputs, now, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> StateHistory:
         """Return the history in the rows of a state, which it is added to unless its stamp is rejected."""
@@ -168,11 +174,8 @@ def _span(model: InteractionModel) -> float:
     return model.max_delay + (HALF_SPAN_S if source_terms(model).loading > 0.0 else 0.0)
 
 
-def _present_law(model: InteractionModel) -> Array | None:
-    """Return the law of a jet without delay, terms between sources and known deviation; None for others.
-
-    The numbers are those of a JetLaw, (12,).
-    """
-    if not isinstance(model, Jet) or model.max_delay > 0.0 or source_terms(model) != PAIRS_ALONE:
+def _plain_jet(model: InteractionModel) -> PlainJet | None:
+    """Return law and deviation of a jet without terms between sources; None for other models."""
+    if not isinstance(model, Jet) or source_terms(model) != PAIRS_ALONE:
         return None
-    return np.array(jet_law(model), dtype=np.float64) if model.relative_std + model.std_floor == 0.0 else None
+    return np.array(jet_law(model), dtype=np.float64), (float(model.relative_std), float(model.std_floor))

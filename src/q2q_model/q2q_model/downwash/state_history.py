@@ -32,6 +32,11 @@ class StateHistory:
         """Return the newest stamp held [s]; minus infinity when there is none."""
         return float(self._stamps[self._end - 1]) if self._end > self._start else -np.inf
 
+    @property
+    def held(self) -> tuple[Array, Array]:
+        """Return the stamps held, (K,) [s], and pos, vel and axis at each, (K, n, 9): views."""
+        return self._stamps[self._start : self._end], self._samples[self._start : self._end]
+
     def push(self, t: float, sample: Array) -> None:
         """Store pos, vel and axis (n, 9) of time t [s], which must be later than the newest."""
         if self._end == self._stamps.size:
@@ -47,8 +52,7 @@ class StateHistory:
 
         Times outside the history take the oldest or the newest sample. NaN where a sample used is NaN.
         """
-        stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
-        return states_at(stamps, samples, t, vehicles)
+        return states_at(*self.held, t, vehicles)
 
     def reordered(self, rows: Rows) -> "StateHistory":
         """Return the history with other rows: row k is old row rows[k], or NaN where that is -1."""
