@@ -22,7 +22,7 @@ from q2q_control.mpc.problem.axis_model import axis_model
 from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution
 from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_tables
 from q2q_control.mpc.solver.group_solve import Group, solve_group
 from q2q_control.mpc.solver.horizon_solver import group_roots, groups_of
 from q2q_control.mpc.solver.riccati import solve
@@ -164,7 +164,7 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
 
 def test_all_free_axes_swept_at_once_are_those_swept_one_by_one():
     n, horizon, rng = 3, horizon_of(3, 4), np.random.default_rng(5)
-    free, gains = rng.random((n, 3)) < 0.7, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2]))
+    free, gains = rng.random((n, 3)) < 0.7, sweep_tables(MODELS)
     at_once, singly = (
         HorizonSolution(
             np.zeros((n, STAGES + 1, 3)),

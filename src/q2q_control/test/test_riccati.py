@@ -13,7 +13,7 @@ from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, blank_solu
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
 from q2q_control.mpc.problem.mpc_params import MpcParams
-from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_tables
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.signals.values import Array
 from q2q_model.tunable import tunable_of
@@ -167,7 +167,7 @@ def test_the_sweep_of_separate_axes_equals_the_general_recursion():
     rng = np.random.default_rng(5)
     asked = horizon(rng, 4, 40, 100.0)
     swept = blank_solution(4, 40)
-    crossing = sweep_axes(asked, ALTITUDES[:4], (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
+    crossing = sweep_axes(asked, ALTITUDES[:4], sweep_tables(MODELS), swept)
     shape = group_shape(1, (2,), MODELS)
     none = DownwashHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
     assert not crossing.any()
@@ -181,7 +181,7 @@ def test_the_sweep_reports_which_axes_cross_a_bound():
     rng = np.random.default_rng(6)
     asked = horizon(rng, 6, 40, 3.0)
     swept = blank_solution(6, 40)
-    crossing = sweep_axes(asked, ALTITUDES, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
+    crossing = sweep_axes(asked, ALTITUDES, sweep_tables(MODELS), swept)
     assert np.array_equal(crossing[:, 2], np.abs(swept.inputs[:, :, 2]).max(axis=1) > 3.0)
     assert 0 < crossing.sum() < 6
     assert not crossing[:, :2].any()

@@ -30,7 +30,7 @@ class ExplicitSolver:
 
     def __init__(self, law: ExplicitLaw, side: AxisGains) -> None:
         """Command heights by `law`; `side` are the gains of the axes of x and y."""
-        self._gains = side, law.altitude_gains
+        self._gains = np.stack([gains_table(side), gains_table(side), law.gains])
         self._weights, self._work = weights_of(law), workspace_of(law)
 
     def solve(

@@ -26,7 +26,7 @@ from q2q_control.mpc.problem.horizon import (
 from q2q_control.mpc.problem.joint_problem import PlainShape, group_shape
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
-from q2q_control.mpc.solver.axis_sweep import gains_of_table, gains_table, sweep_axes, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_tables
 from q2q_control.mpc.solver.group_solve import Group, solve_group
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
@@ -65,7 +65,7 @@ class HorizonSolver:
         """Solve with the models of x, y (which must be alike) and z."""
         self._models, self._rules = models, rules
         self._coupling = np.isin(range(3), rules.coupled), rules.group_max
-        self._gains = np.stack([gains_table(sweep_gains(models[axis])) for axis in (0, 2)])
+        self._gains = sweep_tables(models)
         self._shapes: dict[tuple[int, tuple[int, ...]], PlainShape] = {}
 
     def solve(
@@ -134,8 +134,8 @@ def _group_and_sweep(
 ) -> tuple[Rows, Mask]:
     """Write the axes that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
 
-    `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group; `gains` are tables
-    of x and y, then of z, (2, 13, 3).
+    `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group; `gains` are tables,
+    as `sweep_tables`.
     """
     (axes, most), out = coupling, HorizonSolution(*solution)
     root = group_roots(DownwashHorizon(*downwash), out.status.size, most)
@@ -143,8 +143,7 @@ def _group_and_sweep(
     for v in range(root.size):
         for axis in range(3):
             free[v, axis] = root[v] < 0 or not axes[axis]
-    sides = gains_of_table(gains[0]), gains_of_table(gains[1])
-    return root, sweep_axes(Horizon(*horizon), free, sides, out)
+    return root, sweep_axes(Horizon(*horizon), free, gains, out)
 
 
 @compiled
