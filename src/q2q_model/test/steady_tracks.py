@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
+from q2q_model.estimation.position.position_tracks import PositionTracks
 from q2q_model.estimation.position.track_columns import TrackParams
+from q2q_model.estimation.position.track_update import TrackUpdate
 from q2q_model.signals.values import Array
 
 DT = 1.0 / 64.0

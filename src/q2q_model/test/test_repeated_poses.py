@@ -9,7 +9,7 @@ from steady_tracks import COAST, DT, FROZEN, NEAR, NOBODY, NONE, PLACES, flown, 
 from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP
 from q2q_model.estimation.position.position_gates import VARIED
 from q2q_model.estimation.position.position_prediction import THAW_STEP
-from q2q_model.estimation.position.position_tracks import PositionTracks
+from q2q_model.estimation.position.position_tracks import SETTLED, PositionTracks
 from q2q_model.signals.values import Array
 
 EVERYBODY = np.ones(2, dtype=bool)
@@ -158,3 +158,31 @@ def test_a_step_after_repeated_poses_is_taken_as_usual_up_to_its_bound() -> None
         verdict = offered(deepcopy(made), 76 * DT, place)
         assert verdict.restarted.tolist() == [restarted, False]
         assert not offered(flown(76), 76 * DT, place).restarted.any()  # without repeated ones before
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5])
+def test_names_stay_exchanged_while_the_poses_of_vehicles_that_stand_repeat(speed: float) -> None:
+    """Without noise; the names are right again after longer than any patience. A third vehicle flies on."""
+    made, places = tracks(count=3), np.vstack([PLACES, [[-3.0, 0.0, 1.0]]])
+    vel = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, speed, 0.0]])
+    settled, wrong = SETTLED + 10, round(2.0 * (FROZEN + COAST) / DT)
+    for k in range(settled + wrong + 20):
+        exchanged = settled <= k < settled + wrong
+        order = [1, 0, 2] if exchanged else [0, 1, 2]
+        stands = k not in {0, settled, settled + wrong}
+        repeats = np.array([stands, stands, stands and not speed])
+        pos = places + k * DT * vel
+        found = made.update(k * DT, pos[order], repeats)
+        assert found.source.tolist() == order
+        assert not found.restarted.any()
+        np.testing.assert_allclose(found.pos[:2], PLACES, atol=1e-9)
+
+
+@pytest.mark.parametrize(("off", "taken"), [(0.9 * THAW_STEP, True), (1.1 * THAW_STEP, False)])
+def test_a_pose_that_repeats_is_of_another_vehicle_only_where_that_one_stands(
+    off: float, *, taken: bool
+) -> None:
+    made = flown(SETTLED + 10)
+    beside = np.stack([PLACES[1] + [0.0, 0.0, off], NONE])
+    found = made.update((SETTLED + 10) * DT, beside, EVERYBODY)
+    assert found.source.tolist() == [-1, 0 if taken else -1]

@@ -38,7 +38,8 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude
 from q2q_model.estimation.nominal_frame import QUAT_AT, extend_memory, no_poses, nominal_frame, remember_poses
 from q2q_model.estimation.pose_faults import pose_faults
 from q2q_model.estimation.position.position_steps import NEEDS_ASSOCIATION, WHOLE
-from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
+from q2q_model.estimation.position.position_tracks import PositionTracks
+from q2q_model.estimation.position.track_update import TrackUpdate
 from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import (

@@ -18,7 +18,7 @@ its prediction. At 100 Hz that is 2 cm at 1 m/s.
 A pose that equals a recent one bit for bit is an old one with a new stamp if one of these holds:
 
 - the vehicle should have moved by more than REPEAT_STEP since the pose first came;
-- the pose fails another gate;
+- the pose fails another gate, and is not where another vehicle stands (exchanged_repeats);
 - noise has kept VARIED poses apart.
 
 A motion capture server that has lost a body may send its last pose again and again. Such poses are no

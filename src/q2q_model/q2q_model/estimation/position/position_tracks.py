@@ -11,15 +11,13 @@ in this order:
 2. The sample may belong to another vehicle (label_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
-   are exchanged for good are exchanged by the server. Where such a sample is further than jump_max from a
-   track that coasts, a second one must agree.
+   are exchanged for good are exchanged by the server, also while poses repeat (exchanged_repeats). Where such
+   a sample is further than jump_max from a track that coasts, a second one must agree.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
    does at a thaw (position_prediction); later if they may be of another vehicle (suspected_swaps).
 
 Without samples a track coasts for `coast_s`; then it is lost, with its position held and zero velocity.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +25,7 @@ from q2q_model.estimation.association.label_swaps import swapped_sources
 from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
+from q2q_model.estimation.position.exchanged_repeats import with_exchanged_repeats
 from q2q_model.estimation.position.kalman_filter import start
 from q2q_model.estimation.position.position_prediction import Prediction, look_ahead
 from q2q_model.estimation.position.position_steps import (
@@ -40,6 +39,7 @@ from q2q_model.estimation.position.position_steps import (
 )
 from q2q_model.estimation.position.steady_gain import PERIOD
 from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, unseen
+from q2q_model.estimation.position.track_update import TrackUpdate
 from q2q_model.signals.values import Array, Mask, Rows
 
 BORROWED_MOST = 35
@@ -47,36 +47,6 @@ BORROWED_MOST = 35
 for which a vehicle may coast, by which swaps have ended."""
 SETTLED = 100
 """Samples of its own name after which a track is that vehicle's, whatever later ones are called: 1 s."""
-
-
-@dataclass(frozen=True, slots=True)
-class TrackUpdate:
-    """Result of one tick, one row per vehicle."""
-
-    pos: Array
-    """Position [m], (n, 3); zero for a vehicle never seen."""
-    vel: Array
-    """Velocity [m/s], (n, 3); zero for a lost vehicle."""
-    source: Rows
-    """Row of the accepted sample, (n,): another row where labels were swapped, -1 where none."""
-    restarted: Mask
-    """Tracks restarted at a true jump or a thaw, (n,)."""
-    trusted: Mask
-    """Tracks with an accepted sample that is not doubtful, and confirmed, (n,)."""
-    frozen: Mask
-    """Vehicles whose poses repeat though there is noise, (n,)."""
-    nominal: bool
-    """Every track is confirmed, and accepted the sample of its own name."""
-
-    @property
-    def accepted(self) -> Mask:
-        """Return which tracks accepted a sample, (n,)."""
-        return np.asarray(self.source >= 0)
-
-    @property
-    def borrowed(self) -> Mask:
-        """Return which tracks accepted a sample of another name, (n,)."""
-        return np.asarray(self.accepted & (self.source != np.arange(len(self.source))))
 
 
 class PositionTracks:
@@ -146,6 +116,8 @@ class PositionTracks:
     def associated(self, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
         """Return the tracks after the samples of a tick that `follow_positions` did not take, as `update`."""
         at = look_ahead((t, np.nan), samples, repeats, self._params, self._table)
+        if repeats.any():
+            at = with_exchanged_repeats(at, samples, self._tracks.seen)
         assigned = self._associate(t, at)
         pos, vel = accept(t, at, assigned, self._noise_var, self._table)
         self._clock[PERIOD] = np.nan

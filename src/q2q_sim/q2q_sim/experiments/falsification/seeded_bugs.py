@@ -27,8 +27,9 @@ from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, track_params
 from q2q_model.estimation.position import position_tracks
-from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
+from q2q_model.estimation.position.position_tracks import PositionTracks
 from q2q_model.estimation.position.track_columns import TrackParams
+from q2q_model.estimation.position.track_update import TrackUpdate
 from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
