@@ -35,7 +35,7 @@ def test_every_kernel_of_a_tick_runs_before_the_first(
 
     kernels = [(horizon_solver, "solve_group"), (constant_velocity, "_straight_on")]
     if model != "none" and given.get("aware", True):
-        kernels.append((downwash_horizon, "within_reach"))
+        kernels.append((downwash_horizon, "may_reach"))
     for module, name in kernels:
         monkeypatch.setattr(module, name, noted(getattr(module, name)))
     mpc_node.build(RoomNode("mpc", {"model": model, **given}, {}))

@@ -77,6 +77,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/flights/units_and_frames/up_axis.py",
     "q2q_model/flights/units_and_frames/upright_check.py",
     "q2q_model/forked.py",
+    "q2q_model/geometry/pair_reach.py",
     "q2q_model/geometry/rotations.py",
     "q2q_model/identification/gain_notes.py",
     "q2q_model/identification/gains/altitude_record.py",

@@ -14,8 +14,8 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     LEAST_DOWNWASH,
     Tracks,
     bounding_boxes,
+    may_reach,
     sum_downwash,
-    within_reach,
 )
 from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.axis_model import axis_model
@@ -70,10 +70,13 @@ def downwash_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array
     source_vel, vel = (np.diff(path[:, v], axis=0) / step for v in (j, i))
     motion = PairMotion(source_vel, tracks.axis[j], vel)
     now, rel, up = middle[:, j] - middle[:, i], source - middle[:, i], np.array([0.0, 0.0, DELTA])
-    law, above, below = (model.acceleration(rel + side * up, motion) for side in (0.0, 1.0, -1.0))
-    within = np.hypot(now[:, 0], now[:, 1]) <= model.reach.horizontal
-    within &= np.abs(now[:, 2]) <= model.reach.vertical
-    counts = within.any() and np.abs(law).max() > LEAST_DOWNWASH
+    aside = np.minimum(np.hypot(now[:, 0], now[:, 1]), np.hypot(rel[:, 0], rel[:, 1]))
+    within = (aside <= model.reach.horizontal) & (np.abs(rel[:, 2]) <= model.reach.vertical)
+    law, above, below = (
+        np.where(within[:, None], model.acceleration(rel + side * up, motion), 0.0)
+        for side in (0.0, 1.0, -1.0)
+    )
+    counts = np.abs(law).max() > LEAST_DOWNWASH
     share = tracks.weight[j][:, None]
     return law * share, (above - below) / (2.0 * DELTA) * share, bool(counts)
 
@@ -121,10 +124,10 @@ def test_the_loop_of_jets_computes_what_any_models_prediction_does_bit_for_bit(
 
 def test_who_meets_is_the_same_compiled_and_plain():
     path, (i, j) = stacked_tracks(5, 1).pos, np.nonzero(~np.eye(5, dtype=np.bool_))
-    assert np.array_equal(
-        within_reach(path, (i, j), (0.1, 0.6)), within_reach.py_func(path, (i, j), (0.1, 0.6))
-    )
-    assert 0 < within_reach(path, (i, j), (0.1, 0.6)).sum() < i.size
+    way = np.array([[0.0, 0.0], [0.05, 0.1], [0.0, 0.0], [0.1, 0.0], [0.0, 0.05]])
+    found = may_reach(path, (i, j), (0.1, 0.6), way)
+    assert np.array_equal(found, may_reach.py_func(path, (i, j), (0.1, 0.6), way))
+    assert 0 < found.sum() < i.size
     middle = 0.5 * (path[1:] + path[:-1])
     centre, half = bounding_boxes(path)
     assert np.array_equal(centre, 0.5 * (middle.min(axis=0) + middle.max(axis=0)))

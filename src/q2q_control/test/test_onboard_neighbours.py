@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from native_apps import at_rest, hover, library, needs_cc
+from native_apps import TICK_US, at_rest, hover, library, needs_cc
 
 from q2q_control.onboard.model_header import STALE_S, AppRates
 from q2q_control.onboard.native_app import NativeApp
@@ -85,3 +85,20 @@ def test_of_six_neighbours_the_last_is_refused_until_one_is_silent() -> None:
     assert not app.hear_motion(1, 1000, hover(0.0, 0.0, 2.0))  # a repeated stamp
     assert not app.hear_motion(1, 2000, np.full(9, np.nan))
     assert app.hear_motion(6, 1000 + round(1e6 * STALE_S) + 100_000, hover(0.0, 0.0, 1.4))
+
+
+@needs_cc
+@pytest.mark.parametrize("gap", [1.19, 1.3])
+def test_the_speed_of_a_third_vehicle_changes_nothing(gap: float) -> None:
+    found = []
+    for speed in (0.0, 2.0):
+        app = NativeApp(library(MEASURED_LAW))
+        for tick in range(30):
+            far = hover(50.0 + speed * 1e-6 * TICK_US * tick, 0.0, 1.0)
+            far[3] = speed
+            app.hear_motion(1, tick * TICK_US, hover(0.0, 0.0, gap))
+            app.hear_motion(2, tick * TICK_US, far)
+            app.step(at_rest(tick * TICK_US, hover(0.0, 0.0, 0.0)))
+        found.append(app.downwash(hover(0.0, 0.0, 0.0), 29 * TICK_US))
+    assert found[0] == found[1]
+    assert (found[0] == 0.0) is (gap > MEASURED_LAW.range)

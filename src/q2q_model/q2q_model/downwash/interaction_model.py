@@ -23,16 +23,20 @@ from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
+from q2q_model.geometry.pair_reach import beyond_reach
 from q2q_model.geometry.rotations import UP
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """Distances beyond which the acceleration of a law is negligible."""
+    """Distances beyond which a pair has no downwash, by the rule of q2q_model.geometry.pair_reach.
+
+    A law may still be large there: `measured_law` has 1.2 m/s^2 at its range.
+    """
 
     horizontal: float
-    """[m]"""
+    """[m]; a law should be negligible here, as sources move and lean."""
     vertical: float
     """[m]"""
 
@@ -51,6 +55,17 @@ class PairMotion:
     """Body z of j, unit length, world, (..., 3)."""
     vel: Array
     """Velocity of i [m/s], world, (..., 3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class RetardedPairs:
+    """Pairs whose sources are as when their air left them."""
+
+    rel_pos: Array
+    """r_j(t - tau) - r_i(t) [m], world, (..., 3)."""
+    motion: PairMotion
+    now: Array
+    """r_j(t) - r_i(t) [m], world, (..., 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +106,7 @@ class InteractionModel(Protocol):
 
     @property
     def reach(self) -> Reach:
-        """Return the range of the downwash."""
+        """Return where the downwash ends."""
 
     @property
     def max_delay(self) -> float:
@@ -101,7 +116,9 @@ class InteractionModel(Protocol):
         """Return the transport delay tau [s], (...,), of downwash from a source at rel_pos [m], (..., 3)."""
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
-        """Return eta [m/s^2], world, (..., 3), of retarded pairs.
+        """Return the law's eta [m/s^2], world, (..., 3), of retarded pairs, also of those beyond the reach.
+
+        `downwash` ends there.
 
         Args:
             rel_pos: relative position [m], world, (..., 3).
@@ -114,8 +131,8 @@ class InteractionModel(Protocol):
 
 def retarded_pairs(
     model: InteractionModel, pos: Array, vel: Array, now: SourceStates, past: Callable[[Array], SourceStates]
-) -> tuple[Array, PairMotion]:
-    """Return rel_pos [m], (..., 3), and motion of pairs whose sources are as when their air left them.
+) -> RetardedPairs:
+    """Return pairs whose sources are as when their air left them.
 
     Args:
         model: gives the delay.
@@ -124,8 +141,24 @@ def retarded_pairs(
         now: present sources, with which the delay is computed.
         past: returns the sources a delay [s], (...,), ago; not called for a model without delay.
     """
-    rel_pos = now.pos - pos
-    if model.max_delay > 0.0:
-        now = past(model.delay(rel_pos))
-        rel_pos = now.pos - pos
-    return rel_pos, PairMotion(now.vel, now.axis, vel)
+    present = now.pos - pos
+    if model.max_delay == 0.0:
+        return RetardedPairs(present, PairMotion(now.vel, now.axis, vel), present)
+    left = past(model.delay(present))
+    return RetardedPairs(left.pos - pos, PairMotion(left.vel, left.axis, vel), present)
+
+
+def downwash_ended(pairs: RetardedPairs, reach: Reach) -> Mask:
+    """Return which pairs are beyond a model's reach, (...,)."""
+    return beyond_reach(pairs.rel_pos, pairs.now, (reach.horizontal, reach.vertical))
+
+
+def downwash(model: InteractionModel, pairs: RetardedPairs) -> Array:
+    """Return eta of pairs [m/s^2], world, (..., 3)."""
+    law = model.acceleration(pairs.rel_pos, pairs.motion)
+    return np.where(downwash_ended(pairs, model.reach)[..., None], 0.0, law)
+
+
+def downwash_at_rest(model: InteractionModel, rel_pos: Array) -> Array:
+    """Return eta of level vehicles at rest [m/s^2], world, (..., 3), for relative positions [m], (..., 3)."""
+    return downwash(model, RetardedPairs(rel_pos, pairs_at_rest(rel_pos), rel_pos))

@@ -106,7 +106,8 @@ class Jet:
         """Return tau [s], (...,); zero for a source below."""
         if self.travel_speed == 0.0:
             return np.zeros(rel_pos.shape[:-1])
-        return np.asarray(np.clip(rel_pos[..., 2], 0.0, self.range) / self.travel_speed)
+        fall = np.minimum(np.maximum(rel_pos[..., 2], 0.0), self.range)  # np.clip takes three times as long
+        return np.asarray(fall / self.travel_speed)
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return eta [m/s^2], world, (..., 3)."""

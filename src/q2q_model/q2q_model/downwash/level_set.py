@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, downwash_at_rest
 from q2q_model.signals.values import Array
 
 STEP = 0.01
@@ -105,8 +105,7 @@ def _strength(model: InteractionModel) -> Array:
     across, gap = _grid(reach.horizontal), _grid(reach.vertical)
     ends = np.minimum(across, reach.horizontal), [0.0], np.minimum(gap, reach.vertical)
     rel_pos = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)[:, 0]  # (rows, columns, 3)
-    still = pairs_at_rest(rel_pos)
-    pushes = [np.linalg.norm(model.acceleration(sign * rel_pos, still), axis=-1) for sign in (1.0, -1.0)]
+    pushes = [np.linalg.norm(downwash_at_rest(model, sign * rel_pos), axis=-1) for sign in (1.0, -1.0)]
     within = (across[:, None] < reach.horizontal + LAST) & (gap < reach.vertical + LAST)
     return np.where(within, np.maximum(*pushes), 0.0)
 

@@ -46,11 +46,13 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
+from q2q_model.geometry.pair_reach import beyond_rows
 from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 
 _TRACKED = int(TrackStatus.TRACKED)  # numpy takes 5 us to read an enumeration
-_NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_))
+_NONE: Mask = np.zeros(0, dtype=np.bool_)
+_NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), _NONE, _NONE)
 
 
 class InteractionPredictor:
@@ -63,7 +65,7 @@ class InteractionPredictor:
     def _use(self, model: InteractionModel) -> None:
         """Take a model, with what does not change from tick to tick."""
         self.model, self._terms, reach = model, source_terms(model), model.reach
-        self._bounds = reach.horizontal, reach.vertical, model.max_delay
+        self._reach, self._late = (reach.horizontal, reach.vertical), model.max_delay > 0.0
         self._jet = _plain_jet(model)
 
     def reset(self) -> None:
@@ -87,18 +89,20 @@ class InteractionPredictor:
         states = np.concatenate(columns, axis=1, dtype=np.float64)  # (n, 11)
         acc, std = np.empty(state.pos.shape), np.empty(state.pos.shape)
         status = np.empty(len(state.names), dtype=np.uint8)
-        if self._jet is None or self.model.max_delay > 0.0:
+        if self._jet is None or self._late:
             self._sum(state, states, InteractionSums(acc, std, status))
         else:
-            write_present(states, state.status.copy(), self._bounds, self._jet, (acc, std, status))
+            write_present(states, state.status.copy(), self._jet, (acc, std, status))
         self._last = Interference(state.t, state.names, acc, std, status)
         return self._last
 
     def _sum(self, state: SwarmState, states: Array, sums: InteractionSums) -> None:
         """Write the sums over all sources, whose past the model may need."""
         now = np.empty((len(state.names), 9))
-        pairs = find_pairs(states, now, self._bounds)
-        past = self._remember(state, now)
+        past, taken = self._past_of(state)
+        pairs = find_pairs(states, now, past.held[1] if self._late else past.held[1][:0], self._reach)
+        if taken:
+            past.push(state.t, now)
         if self._jet is not None:
             tick = state.t, now, state.status.copy()
             write_retarded(pairs, tick, past.held, self._jet, (*sums,))
@@ -107,10 +111,10 @@ class InteractionPredictor:
             outputs = self._outputs(state, now, pairs, past) if pairs[0].size else _NO_PAIR
         except ModelOutputError as error:
             raise _with_names(error, state, pairs) from error
-        sum_over_sources(pairs, outputs, now, self._bounds[0] > 0.0, sums)
+        sum_over_sources(pairs, outputs, now, self._reach[0] > 0.0, sums)
 
-    def _remember(self, state: SwarmState, now: Array) -> StateHistory:
-        """Return the history in the rows of a state, which it is added to unless its stamp is rejected."""
+    def _past_of(self, state: SwarmState) -> tuple[StateHistory, bool]:
+        """Return the history in the rows of a state, and whether the state is to be added to it."""
         rejected = self._order.reject_stamp(state.t)
         if self._order.was_set:
             self._names = ()  # the history begins again
@@ -119,34 +123,34 @@ class InteractionPredictor:
             fresh = StateHistory(len(state.names), _span(self.model))
             past = past.reordered(index_of(state.names, self._names)) if self._names else fresh
         if rejected:
-            return past
+            return past, False
         self._history, self._names = past, state.names
-        if state.t > past.newest:
-            past.push(state.t, now)
-        return past
+        return past, state.t > past.newest
 
     def _outputs(
         self, state: SwarmState, now: Array, pairs: OrderedPairs, history: StateHistory
     ) -> PairInteractions:
         """Return the outputs of the model for the pairs of a tick."""
         i, j = pairs
+        feels, causes = now[i], now[j]
         stale: Mask = np.not_equal(state.status[j], _TRACKED)
 
         def past(delay: Array) -> SourceStates:
             found = history.at(state.t - delay, j)
             unknown = np.asarray(~np.isfinite(found[:, :6]).all(axis=1))
-            stale[unknown] = True
-            return SourceStates.of_rows(np.where(unknown[:, None], now[j], found))
+            if unknown.any():
+                stale[unknown], found[unknown] = True, causes[unknown]
+            return SourceStates.of_rows(found)
 
-        rel_pos, motion = retarded_pairs(
-            self.model, now[i, :3], now[i, 3:6], SourceStates.of_rows(now[j]), past
-        )
-        eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
+        there = retarded_pairs(self.model, feels[:, :3], feels[:, 3:6], SourceStates.of_rows(causes), past)
+        ended = beyond_rows(there.rel_pos, there.now, self._reach)
+        eta = self.model.acceleration(there.rel_pos, there.motion)
+        deviation = self.model.deviation(there.rel_pos, there.motion)
         if self._terms != PAIRS_ALONE:
             thrust = self._thrust_ratio(state.t, now, pairs, history)
-            share = strengths(i, j, eta[:, 2:].copy(), thrust, self._terms)
+            share = strengths(i, j, np.where(ended[:, None], 0.0, eta[:, 2:]), thrust, self._terms)
             eta, deviation = share * eta, share * deviation
-        return PairInteractions(eta, deviation, stale)
+        return PairInteractions(eta, deviation, stale, ended)
 
     def _thrust_ratio(self, t: float, now: Array, pairs: OrderedPairs, history: StateHistory) -> Array:
         """Return thrust over weight of each pair's source when its air left it, (p, 1); 1 where unknown."""
@@ -175,7 +179,8 @@ def _span(model: InteractionModel) -> float:
 
 
 def _plain_jet(model: InteractionModel) -> PlainJet | None:
-    """Return law and deviation of a jet without terms between sources; None for other models."""
+    """Return law, deviation and reach of a jet without terms between sources; None for other models."""
     if not isinstance(model, Jet) or source_terms(model) != PAIRS_ALONE:
         return None
-    return np.array(jet_law(model), dtype=np.float64), (float(model.relative_std), float(model.std_floor))
+    reach, spread = model.reach, (float(model.relative_std), float(model.std_floor))
+    return np.array(jet_law(model), dtype=np.float64), (*spread, reach.horizontal, reach.vertical)

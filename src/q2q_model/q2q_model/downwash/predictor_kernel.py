@@ -1,10 +1,10 @@
-"""Kernels of the predictor: the search for pairs in reach, and the sum over sources.
+"""Kernels of the predictor: the search for pairs, and the sum over sources.
 
 | name | meaning [unit] |
 |---|---|
 | states | pos, vel [m, m/s], quat x y z w, age [s] of every vehicle, (n, 11) |
 | now | pos, vel, body z of every vehicle, (n, 9) |
-| i, j | rows of every pair in reach, vehicle i exposed to source j, (p,) each |
+| i, j | rows of every pair found, vehicle i exposed to source j, (p,) each |
 """
 
 import math
@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.downwash.state_history import states_at
 from q2q_model.downwash.sweep_and_prune import OrderedPairs, sweep
+from q2q_model.geometry.pair_reach import SLACK, is_beyond_reach
 from q2q_model.signals.values import Array, InterferenceStatus, Mask, Status, TrackStatus
 
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
@@ -33,6 +34,8 @@ class PairInteractions(NamedTuple):
     """[m/s^2], (p, 3)."""
     stale: Mask
     """Source not tracked, (p,)."""
+    ended: Mask
+    """Beyond the reach, (p,): no downwash, whatever the others say."""
 
 
 class InteractionSums(NamedTuple):
@@ -62,8 +65,9 @@ class PresentTick(NamedTuple):
 
 PlainTick = tuple[float, Array, Status]
 """Fields of a PresentTick."""
-PlainJet = tuple[Array, tuple[float, float]]
-"""Numbers of a JetLaw, (12,); growth of the standard deviation with the downwash, and its floor [m/s^2]."""
+PlainJet = tuple[Array, tuple[float, float, float, float]]
+"""Numbers of a JetLaw, (12,); growth of the standard deviation with the downwash, and its floor [m/s^2], then
+the horizontal and the vertical reach [m]."""
 
 
 @compiled
@@ -78,28 +82,63 @@ def body_z(state: Array, axis: Array) -> None:
 
 
 @compiled
-def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) -> OrderedPairs:
-    """Write `now` and return the pairs, for horizontal and vertical reach [m] and largest delay [s].
+def find_pairs(states: Array, now: Array, past: Array, reach: tuple[float, float]) -> OrderedPairs:
+    """Write `now` and return all pairs that may have downwash, and some that are beyond the reach.
 
     The state of a vehicle that was never seen, of infinite age, is made NaN.
+
+    Args:
+        states: as above.
+        now: written.
+        past: rows of `now` when air may have left its source, (K, n, 9); K = 0 for a law without delay.
+        reach: horizontal and vertical [m].
     """
-    horizontal, vertical, max_delay = bounds
-    pos, fastest = np.empty((states.shape[0], 3)), 0.0
+    pos = np.empty((states.shape[0], 3))
     for i in range(states.shape[0]):
         if math.isinf(states[i, _AGE]):
             states[i] = math.nan
-        whole, squared = True, 0.0
+        whole = True
         for k in range(6):
             now[i, k] = states[i, k]
             whole = whole and math.isfinite(states[i, k])
         for k in range(3):
             pos[i, k] = states[i, k] if whole else math.nan
-            squared += states[i, 3 + k] * states[i, 3 + k]
-        if whole:
-            fastest = max(fastest, squared)
         body_z(states[i], now[i, 6:])
-    moved = max_delay * math.sqrt(fastest)  # distance a source may have moved since its air left it
-    return sweep(pos, horizontal + moved, vertical + moved)
+    if past.shape[0] == 0:
+        return sweep(pos, reach[0], reach[1])
+    far = np.zeros((pos.shape[0], 2))
+    _write_moved(pos, past, far)
+    for v in range(pos.shape[0]):
+        far[v, 0], far[v, 1] = reach[0] + math.sqrt(far[v, 0]) + SLACK, reach[1] + far[v, 1] + SLACK
+    return _near_enough(sweep(pos, far[:, 0].max(), far[:, 1].max()), pos, far)
+
+
+@compiled(**BORROWING)
+def _write_moved(pos: Array, past: Array, moved: Array) -> None:
+    """Write how far each vehicle has moved at most: horizontally, squared [m^2], and vertically [m], (n, 2).
+
+    Positions in between are interpolated, and no farther. NaN is no distance.
+    """
+    for k in range(past.shape[0]):
+        for v in range(pos.shape[0]):
+            x, y = past[k, v, 0] - pos[v, 0], past[k, v, 1] - pos[v, 1]
+            squared, rise = x * x + y * y, abs(past[k, v, 2] - pos[v, 2])
+            moved[v, 0] = max(moved[v, 0], squared)
+            moved[v, 1] = max(moved[v, 1], rise)
+
+
+@compiled
+def _near_enough(pairs: OrderedPairs, pos: Array, far: Array) -> OrderedPairs:
+    """Return the pairs within what their sources reach, horizontally and vertically [m], (n, 2)."""
+    i, j = pairs
+    kept = 0
+    for p in range(i.size):
+        a, b = i[p], j[p]
+        x, y, dz = pos[b, 0] - pos[a, 0], pos[b, 1] - pos[a, 1], pos[b, 2] - pos[a, 2]
+        if x * x + y * y <= far[b, 0] * far[b, 0] and abs(dz) <= far[b, 1]:
+            i[kept], j[kept] = a, b
+            kept += 1
+    return i[:kept], j[:kept]
 
 
 @compiled
@@ -107,11 +146,13 @@ def sum_over_sources(
     pairs: OrderedPairs, outputs: PairInteractions, now: Array, known: bool, sums: InteractionSums
 ) -> None:
     """Write the sums; `known` is whether there is a model."""
-    (feels, _), (eta, deviation, stale) = pairs, outputs
+    (feels, _), (eta, deviation, stale, ended) = pairs, outputs
     acc, std, status = sums
     n = now.shape[0]
     acc[:], std[:], status[:] = 0.0, 0.0, _VALID
     for p in range(feels.size):
+        if ended[p]:
+            continue
         i = feels[p]
         for k in range(3):
             acc[i, k] += eta[p, k]
@@ -129,9 +170,7 @@ def sum_over_sources(
 
 
 @compiled
-def write_present(
-    states: Array, track: Status, bounds: tuple[float, float, float], jet: PlainJet, sums: PlainSums
-) -> None:
+def write_present(states: Array, track: Status, jet: PlainJet, sums: PlainSums) -> None:
     """Write the sums over all sources of a jet that needs no past.
 
     It takes one call in place of three: for two vehicles a third of the time.
@@ -139,12 +178,11 @@ def write_present(
     Args:
         states: as above.
         track: TrackStatus, (n,).
-        bounds: horizontal and vertical reach [m], largest delay [s].
-        jet: law and deviation of one pair.
+        jet: law, deviation and reach of one pair.
         sums: written.
     """
     now = np.empty((len(states), 9))
-    pairs = find_pairs(states, now, bounds)
+    pairs = find_pairs(states, now, np.empty((0, len(states), 9)), jet[1][2:])
     causes = pairs[1]
     sources, stale = np.empty((causes.size, 9)), np.empty(causes.size, np.bool_)
     for p in range(causes.size):
@@ -165,7 +203,7 @@ def write_retarded(
         pairs: i and j.
         present: swarm now.
         past: stamps (K,) [s] and `now` at each, (K, n, 9).
-        jet: law and deviation of one pair.
+        jet: law, deviation and reach of one pair.
         sums: written.
     """
     tick = PresentTick(*present)
@@ -202,7 +240,7 @@ def _sum_jets(
     pairs: OrderedPairs, now: Array, sources: tuple[Array, Mask], jet: PlainJet, sums: InteractionSums
 ) -> None:
     """Write the sums over the jets of `sources`: pos, vel, body z, (p, 9), and which are stale, (p,)."""
-    (feels, _), (states, stale), (relative_std, floor) = pairs, sources, jet[1]
+    (feels, causes), (states, stale), (relative_std, floor, aside, up) = pairs, sources, jet[1]
     shape, known = (feels.size, 3), relative_std + floor > 0.0
     moving = JetPairs(np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
     for p in range(feels.size):
@@ -210,9 +248,10 @@ def _sum_jets(
             moving.rel_pos[p, k] = states[p, k] - now[feels[p], k]
             moving.source_vel[p, k], moving.source_axis[p, k] = states[p, 3 + k], states[p, 6 + k]
             moving.vel[p, k] = now[feels[p], 3 + k]
-    eta, deviation = np.empty(shape), np.full(shape, np.nan)
+    eta, deviation, ended = np.empty(shape), np.full(shape, np.nan), np.empty(feels.size, np.bool_)
     evaluate_pairs(moving, law_of_numbers(jet[0]), np.empty(feels.size), eta)
     for p in range(feels.size):
+        ended[p] = is_beyond_reach(moving.rel_pos[p], now[causes[p], :3] - now[feels[p], :3], (aside, up))
         if known:
             deviation[p, 2] = floor + relative_std * abs(eta[p, 2])
-    sum_over_sources(pairs, PairInteractions(eta, deviation, stale), now, known=True, sums=sums)
+    sum_over_sources(pairs, PairInteractions(eta, deviation, stale, ended), now, known=True, sums=sums)

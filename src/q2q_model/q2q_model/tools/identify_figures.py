@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from q2q_model import palette
 from q2q_model.documents.written_file import naming_written
-from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, downwash_at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
@@ -125,7 +125,7 @@ def _downwash_figure(model: InteractionModel) -> Figure:
 def _grid(model: InteractionModel, across: Array, dz: Array) -> Array:
     x, z = np.meshgrid(across, dz)
     rel_pos = np.stack([x, np.zeros_like(x), z], axis=-1)
-    return np.asarray(model.acceleration(rel_pos, pairs_at_rest(rel_pos))[..., 2])
+    return np.asarray(downwash_at_rest(model, rel_pos)[..., 2])
 
 
 def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:

@@ -22,7 +22,13 @@ from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, pairs_at_rest, retarded_pairs
+from q2q_model.downwash.interaction_model import (
+    InteractionModel,
+    SourceStates,
+    downwash_ended,
+    pairs_at_rest,
+    retarded_pairs,
+)
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 
@@ -118,15 +124,16 @@ def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Arr
     now = SourceStates(
         rel, vel[..., ::-1, :, :], pairs_at_rest(rel).source_axis
     )  # as seen from the exposed vehicle
-    rel, motion = retarded_pairs(
+    pairs = retarded_pairs(
         model,
         np.zeros_like(rel),
         vel,
         now,
         lambda delay: replace(now, pos=now.pos - now.vel * delay[..., None]),
     )
-    nudge = np.array([0.0, 0.0, DELTA])
-    eta, above, below = (model.acceleration(rel + side * nudge, motion)[..., 2] for side in (0.0, 1.0, -1.0))
+    felt, nudge = ~downwash_ended(pairs, model.reach), np.array([0.0, 0.0, DELTA])
+    places = (pairs.rel_pos + side * nudge for side in (0.0, 1.0, -1.0))
+    eta, above, below = (np.where(felt, model.acceleration(one, pairs.motion)[..., 2], 0.0) for one in places)
     gradient = (above - below) / (2.0 * DELTA)
     return eta, np.clip(gradient, -teacher.params.slope_max, teacher.params.slope_max)
 

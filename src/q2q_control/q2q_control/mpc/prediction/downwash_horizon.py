@@ -32,23 +32,25 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     Tracks,
     bounding_boxes,
     displaced_places,
+    may_reach,
     sum_downwash,
-    within_reach,
+    way_in_delay,
 )
 from q2q_control.mpc.prediction.jet_downwash import JetRule, PlainRule, sum_near_jets
 from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.downwash.interaction_model import (
     InteractionModel,
-    PairMotion,
     Reach,
+    RetardedPairs,
     SourceStates,
+    downwash_ended,
     retarded_pairs,
 )
 from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.source_strength import SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
 from q2q_model.downwash.sweep_and_prune import OrderedPairs, pairs_in_reach
-from q2q_model.signals.values import Array, Rows
+from q2q_model.signals.values import Array
 
 ALL_PAIRS = 64
 """Up to this many pairs all are checked; above, a sweep over sorted x finds candidates."""
@@ -85,17 +87,20 @@ def predict_downwash(
 ) -> DownwashHorizon:
     """Return downwash and gradients along the horizon; with `others`, only what `own` vehicles feel."""
     n, absorption = len(tracks.axis), source_terms(model).absorption  # loading is in the tracks' weight
-    pairs = _pairs_to_check(model.reach, tracks, others.own if others is not None and not absorption else n)
+    spread = others.spread if others is not None else np.zeros(n)
+    way = way_in_delay(tracks, model.max_delay, spread)
+    felt = others.own if others is not None and not absorption else n
+    pairs = _pairs_to_check(model.reach, tracks, felt, way)
     jets = _jet_rule(model, rule) if isinstance(model, Jet) and not absorption else None
     if others is None and jets is not None:
-        return DownwashHorizon(*sum_near_jets(jets, (*tracks,), pairs))
-    i, j = _near(model.reach, tracks, pairs)
+        return DownwashHorizon(*sum_near_jets(jets, (*tracks,), pairs, way))
+    i, j = _near(model.reach, tracks, pairs, way)
     if i.size == 0:
         return no_downwash(tracks)
-    widened = others is not None and others.spread[j].max() > NEGLIGIBLE_SPREAD
+    widened = spread[j].max() > NEGLIGIBLE_SPREAD
     if jets is not None and not widened:
-        return DownwashHorizon(*sum_near_jets(jets, (*tracks,), (i, j)))
-    law = _law_of(model, tracks, (i, j), rule, others.spread[j] if others is not None and widened else None)
+        return DownwashHorizon(*sum_near_jets(jets, (*tracks,), (i, j), way))
+    law = _law_of(model, tracks, (i, j), rule, spread[j] if widened else None)
     if absorption:
         vertical = np.ascontiguousarray(law[0, ..., 2])
         terms = SourceTerms(absorption=absorption)
@@ -124,10 +129,20 @@ def _law_of(
 
     `spread` (pairs,) is that of the sources; None if they are certain.
     """
-    places, motion = _places(model, tracks, pairs, np.array(rule.moves))
+    there = _pairs_along(model, tracks, pairs)
+    places = displaced_places(there.rel_pos, np.array(rule.moves))
     if spread is None:
-        return model.acceleration(places, motion)
-    return _widened(model, places, motion, spread)
+        return _ended_law(model, there, places)
+    return _widened(model, there, places, spread)
+
+
+def _ended_law(model: InteractionModel, pairs: RetardedPairs, places: Array) -> Array:
+    """Return the law at places (..., 1 + 2 moves, pairs, N, 3), and none of a pair beyond the reach.
+
+    The displaced places end with the pair's own, (..., pairs, N, 3): the end of a law is no slope of it.
+    """
+    ended = downwash_ended(pairs, model.reach)[..., None, :, :, None]
+    return np.where(ended, 0.0, model.acceleration(places, pairs.motion))
 
 
 def no_downwash(tracks: Tracks) -> DownwashHorizon:
@@ -137,7 +152,7 @@ def no_downwash(tracks: Tracks) -> DownwashHorizon:
     return DownwashHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
 
 
-def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int) -> OrderedPairs:
+def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int, way: Array) -> OrderedPairs:
     """Return ordered pairs, among them all that come within reach; only the first `felt` vehicles feel."""
     n = len(tracks.axis)
     if reach.horizontal <= 0.0 or n < 2:
@@ -145,14 +160,15 @@ def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int) -> OrderedPairs:
     if felt * (n - 1) <= ALL_PAIRS:
         return _all_pairs(felt, n)
     centre, half = bounding_boxes(tracks.pos[tracks.first :])
-    aside = reach.horizontal + 2.0 * float(np.hypot(half[0], half[1]))
-    i, j = pairs_in_reach(centre, Reach(aside, reach.vertical + 2.0 * float(half[2])))
+    aside = reach.horizontal + 2.0 * float(np.hypot(half[0], half[1])) + float(way[:, 0].max())
+    up = reach.vertical + 2.0 * float(half[2]) + float(way[:, 1].max())
+    i, j = pairs_in_reach(centre, Reach(aside, up))
     return (i[i < felt], j[i < felt]) if felt < n else (i, j)
 
 
-def _near(reach: Reach, tracks: Tracks, pairs: OrderedPairs) -> OrderedPairs:
-    """Return those of `pairs` that come within reach at some stage."""
-    hit = within_reach(tracks.pos[tracks.first :], pairs, (reach.horizontal, reach.vertical))
+def _near(reach: Reach, tracks: Tracks, pairs: OrderedPairs, way: Array) -> OrderedPairs:
+    """Return those of `pairs` that may come within reach at some stage."""
+    hit = may_reach(tracks.pos[tracks.first :], pairs, (reach.horizontal, reach.vertical), way)
     return pairs[0][hit], pairs[1][hit]
 
 
@@ -162,24 +178,20 @@ def _all_pairs(felt: int, n: int) -> OrderedPairs:
     return i.copy(), j.copy()  # columns of one array: one layout, one kernel
 
 
-def _widened(model: InteractionModel, places: Array, motion: PairMotion, spread: Array) -> Array:
+def _widened(model: InteractionModel, pairs: RetardedPairs, places: Array, spread: Array) -> Array:
     """Return the downwash expected of sources whose horizontal positions have a `spread` [m], (pairs,).
 
     The mean over a normal distribution of the source, by Gauss-Hermite quadrature of three points per axis.
     """
     points = np.array([(x, y, 0.0) for x, _ in GAUSS_HERMITE for y, _ in GAUSS_HERMITE])
     shares = [of_x * of_y for _, of_x in GAUSS_HERMITE for _, of_y in GAUSS_HERMITE]
-    away = points[:, None, None, None] * spread[:, None, None]  # (points, 1, pairs, 1, 3)
-    return np.asarray(np.tensordot(shares, model.acceleration(places + away, motion), 1))
+    away = points[:, None, None] * spread[:, None, None]  # (points, pairs, 1, 3)
+    moved = RetardedPairs(pairs.rel_pos + away, pairs.motion, pairs.now + away)
+    return np.asarray(np.tensordot(shares, _ended_law(model, moved, places + away[:, None]), 1))
 
 
-def _places(
-    model: InteractionModel, tracks: Tracks, pairs: OrderedPairs, moves: Rows
-) -> tuple[Array, PairMotion]:
-    """Return where sources are from those who feel them, and how both move.
-
-    The places are those of each stage, and displaced by DELTA [m], (1 + 2 moves, pairs, N, 3).
-    """
+def _pairs_along(model: InteractionModel, tracks: Tracks, pairs: OrderedPairs) -> RetardedPairs:
+    """Return the pairs at the middles of the stages, (pairs, N)."""
     i, j = pairs
     times = tracks.times[tracks.first :]
     path = tracks.pos[tracks.first :].transpose(1, 0, 2)  # (n, N + 1, 3)
@@ -192,5 +204,4 @@ def _places(
         pos = states_at(tracks.times, tracks.pos, when.ravel(), np.repeat(j, times.size - 1))
         return replace(now, pos=pos.reshape(now.pos.shape))
 
-    rel_pos, motion = retarded_pairs(model, middle[i], vel[i], now, past)
-    return displaced_places(rel_pos, moves), motion
+    return retarded_pairs(model, middle[i], vel[i], now, past)

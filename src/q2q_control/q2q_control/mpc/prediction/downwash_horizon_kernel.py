@@ -6,13 +6,16 @@
 | law | downwash of a model at all places [m/s^2], (m, p, N, 3) |
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.mpc.prediction.constant_velocity import FAR
 from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
+from q2q_model.geometry.pair_reach import SLACK
 from q2q_model.signals.values import Array, Mask, Rows
 
 DELTA = 1e-3
@@ -63,17 +66,42 @@ def bounding_boxes(path: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def within_reach(path: Array, pairs: OrderedPairs, reach: tuple[float, float]) -> Mask:
-    """Return the pairs that come within reach (horizontal, vertical [m]) at some stage's middle, (p,)."""
+def way_in_delay(tracks: Tracks, max_delay: float, spread: Array) -> Array:
+    """Return how far each vehicle's air may have left from where it is at a stage [m], (n, 2): aside and up.
+
+    Its fastest steps over the longest delay [s], and the farthest point at which a mean over its `spread`
+    [m], (n,), is taken. A step to or from FAR is none: the air of a vehicle without state reaches nobody.
+    """
+    times, pos = tracks.times, tracks.pos
+    way = np.empty((pos.shape[1], 2))
+    for v in range(pos.shape[1]):
+        aside, up = 0.0, 0.0
+        for k in range(1, times.size if max_delay > 0.0 else 0):
+            step, rise = times[k] - times[k - 1], abs(pos[k, v, 2] - pos[k - 1, v, 2])
+            if rise < 0.5 * FAR:
+                x, y = pos[k, v, 0] - pos[k - 1, v, 0], pos[k, v, 1] - pos[k - 1, v, 1]
+                aside, up = max(aside, math.sqrt(x * x + y * y) / step), max(up, rise / step)
+        way[v, 0] = aside * max_delay + math.sqrt(6.0) * spread[v] + SLACK
+        way[v, 1] = up * max_delay + SLACK
+    return way
+
+
+@compiled
+def may_reach(path: Array, pairs: OrderedPairs, reach: tuple[float, float], way: Array) -> Mask:
+    """Return the pairs that may come within reach (horizontal, vertical [m]) at some stage's middle, (p,).
+
+    `way` is that of `way_in_delay`.
+    """
     i, j = pairs
     hit = np.zeros(i.size, np.bool_)
     rel = np.empty(3)
     for p in range(i.size):
+        aside, up = reach[0] + way[j[p], 0], reach[1] + way[j[p], 1]
         for k in range(path.shape[0] - 1):
             for axis in range(3):
                 source = 0.5 * (path[k + 1, j[p], axis] + path[k, j[p], axis])
                 rel[axis] = source - 0.5 * (path[k + 1, i[p], axis] + path[k, i[p], axis])
-            if rel[0] ** 2 + rel[1] ** 2 <= reach[0] ** 2 and abs(rel[2]) <= reach[1]:
+            if rel[0] ** 2 + rel[1] ** 2 <= aside**2 and abs(rel[2]) <= up:
                 hit[p] = True
                 break
     return hit

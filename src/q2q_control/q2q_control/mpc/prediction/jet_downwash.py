@@ -15,12 +15,13 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     Tracks,
     add_pair,
     is_strong,
-    within_reach,
+    may_reach,
 )
 from q2q_control.mpc.problem.horizon import DownwashHorizon, PlainDownwash
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
+from q2q_model.geometry.pair_reach import is_beyond_reach
 from q2q_model.signals.values import Array, Mask, Rows
 
 
@@ -40,11 +41,14 @@ PlainRule = tuple[Array, Rows, float, tuple[float, float]]
 
 
 @compiled
-def sum_near_jets(jets: PlainRule, swarm: PlainTracks, pairs: OrderedPairs) -> PlainDownwash:
-    """Return the downwash of those of `pairs` that come within reach and are not faint."""
+def sum_near_jets(jets: PlainRule, swarm: PlainTracks, pairs: OrderedPairs, way: Array) -> PlainDownwash:
+    """Return the downwash of those of `pairs` that come within reach and are not faint.
+
+    `way` is that of `way_in_delay`.
+    """
     rule, tracks = JetRule(*jets), Tracks(*swarm)
     n, stages = tracks.axis.shape[0], tracks.axis.shape[1]
-    near = within_reach(tracks.pos[tracks.first :], pairs, rule.reach)
+    near = may_reach(tracks.pos[tracks.first :], pairs, rule.reach, way)
     i, j = pairs[0][near], pairs[1][near]
     out = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
     strong = _sum_jets(rule, tracks, out)
@@ -60,14 +64,20 @@ def _sum_jets(rule: JetRule, tracks: Tracks, out: DownwashHorizon) -> Mask:
     stages, count = tracks.axis.shape[1], 1 + 2 * rule.moves.size
     strong = np.zeros(out.i.size, np.bool_)
     places, eta, push = np.empty((count, stages, 3)), np.empty((count, stages, 3)), np.empty(count * stages)
-    motion = np.empty((3, stages, 3))
+    motion, ended = np.empty((4, stages, 3)), np.empty(stages, np.bool_)
     for p in range(out.i.size):
         _write_places(law, tracks, (out.i[p], out.j[p]), places[0], motion)
+        for k in range(stages):
+            ended[k] = is_beyond_reach(places[0, k], motion[3, k], rule.reach)
+        if ended.all():
+            continue
         _evaluate(law, places[:1], motion, push[:stages], eta[:1])
+        _end(eta[:1], ended)
         strong[p] = is_strong(eta[0])
         if strong[p]:
             _displace(places, rule.moves)
             _evaluate(law, places[1:], motion, push[stages:], eta[1:])
+            _end(eta[1:], ended)
             add_pair(eta, tracks.weight, (rule.moves, rule.slope_max), p, out)
     return strong
 
@@ -77,6 +87,19 @@ def _evaluate(law: JetLaw, places: Array, motion: Array, push: Array, eta: Array
     """Write the downwash at places (m, N, 3); `push` (m N,) is not used further."""
     pairs = JetPairs(places.reshape(-1, 3), motion[0], motion[1], motion[2])
     evaluate_pairs(pairs, law, push, eta.reshape(-1, 3))
+
+
+@compiled(**BORROWING)
+def _end(eta: Array, ended: Mask) -> None:
+    """Set the downwash (m, N, 3) to none at the stages beyond the reach, (N,), at displaced places too.
+
+    The end of a law is no slope of it.
+    """
+    for k in range(ended.size):
+        if ended[k]:
+            for m in range(eta.shape[0]):
+                for axis in range(3):
+                    eta[m, k, axis] = 0.0
 
 
 @compiled(**BORROWING)
@@ -92,9 +115,10 @@ def _displace(places: Array, moves: Rows) -> None:
 
 @compiled(**BORROWING)
 def _write_places(law: JetLaw, tracks: Tracks, pair: tuple[int, int], places: Array, motion: Array) -> None:
-    """Write where the source is from the one who feels it, (N, 3), and how both move, (3, N, 3).
+    """Write where the source is from the one who feels it, (N, 3), and how both move, (4, N, 3).
 
-    The motion is that of JetPairs: velocity and axis of the source, velocity of the one who feels it.
+    The motion is that of JetPairs: velocity and axis of the source, velocity of the one who feels it; then
+    the place of the source without the delay.
     """
     i, j = pair
     times, pos, first = tracks.times, tracks.pos, tracks.first
@@ -108,6 +132,7 @@ def _write_places(law: JetLaw, tracks: Tracks, pair: tuple[int, int], places: Ar
             motion[0, k, axis] = (pos[then, j, axis] - pos[now, j, axis]) / long
             motion[1, k, axis] = tracks.axis[j, k, axis]
             motion[2, k, axis] = (pos[then, i, axis] - pos[now, i, axis]) / long
+            motion[3, k, axis] = places[k, axis]
         if law.travel_speed == 0.0:
             continue
         delay = min(max(places[k, 2], 0.0), law.range) / law.travel_speed

@@ -19,7 +19,6 @@ struct scene {
   float lead_s;
   bool here[Q2Q_VEHICLES];
   struct q2q_motion now[Q2Q_VEHICLES];
-  float horizontal, vertical; /* reach, with the way that a source may have gone since [m] */
 };
 
 static float smaller(float a, float b) { return a < b ? a : b; }
@@ -71,7 +70,6 @@ static float jet(const struct q2q_motion *source, const struct q2q_motion *at) {
 /* Place all vehicles where they are `lead_s` after now_us. */
 static void place(struct scene *scene, const struct q2q_app *app, const struct q2q_motion *own, uint32_t now_us,
                   float lead_s) {
-  float fastest = 0.0f;
   scene->app = app;
   scene->now_us = now_us;
   scene->lead_s = lead_s;
@@ -84,31 +82,32 @@ static void place(struct scene *scene, const struct q2q_app *app, const struct q
       q2q_motion_after(own, lead_s, now);
     else
       q2q_motion_at(track, now_us, -lead_s, now);
-    fastest = larger(fastest, now->vel[0] * now->vel[0] + now->vel[1] * now->vel[1] + now->vel[2] * now->vel[2]);
   }
-  const float moved = Q2Q_MAX_DELAY * sqrtf(fastest);
-  scene->horizontal = Q2Q_REACH_HORIZONTAL + moved;
-  scene->vertical = Q2Q_REACH_VERTICAL + moved;
 }
 
 /* Return whether source j may push vehicle i. Between two others only downward pushes count: a source far
    enough below gives none. */
-static bool in_reach(const struct scene *scene, int i, int j) {
+static bool may_push(const struct scene *scene, int i, int j) {
   if (i == j || !scene->here[i] || !scene->here[j]) return false;
-  const float *a = scene->now[i].pos, *b = scene->now[j].pos;
-  const float x = b[0] - a[0], y = b[1] - a[1], dz = b[2] - a[2], far = scene->horizontal;
-  if (i != 0 && Q2Q_UPPER_RATIO >= 0.0f && dz < -APART) return false;
-  return x * x + y * y <= far * far && fabsf(dz) <= scene->vertical;
+  return i == 0 || Q2Q_UPPER_RATIO < 0.0f || scene->now[j].pos[2] - scene->now[i].pos[2] >= -APART;
 }
 
-/* Return the downwash of source j alone at vehicle i [m/s^2]. */
+/* Return whether the source is farther aside than the reach. */
+static bool aside(const struct q2q_motion *source, const struct q2q_motion *at) {
+  const float x = source->pos[0] - at->pos[0], y = source->pos[1] - at->pos[1];
+  return x * x + y * y > Q2Q_REACH_HORIZONTAL * Q2Q_REACH_HORIZONTAL;
+}
+
+/* Return the downwash of source j alone at vehicle i [m/s^2]: none beyond the reach, by the rule of
+   q2q_model.geometry.pair_reach. */
 static float pair(const struct scene *scene, int i, int j) {
   const struct q2q_track *track = &scene->app->track[j];
-  const float tau = delay(scene->now[j].pos[2] - scene->now[i].pos[2]);
-  if (Q2Q_MAX_DELAY <= 0.0f || track->count == 0) return jet(&scene->now[j], &scene->now[i]);
-  struct q2q_motion then;
-  q2q_motion_at(track, scene->now_us, tau - scene->lead_s, &then);
-  return jet(&then, &scene->now[i]);
+  const struct q2q_motion *at = &scene->now[i], *now = &scene->now[j];
+  const float tau = delay(now->pos[2] - at->pos[2]);
+  struct q2q_motion then = *now;
+  if (Q2Q_MAX_DELAY > 0.0f && track->count > 0) q2q_motion_at(track, scene->now_us, tau - scene->lead_s, &then);
+  if (fabsf(then.pos[2] - at->pos[2]) > Q2Q_REACH_VERTICAL || (aside(&then, at) && aside(now, at))) return 0.0f;
+  return jet(&then, at);
 }
 
 static float down(float push) { return push < 0.0f ? -push : 0.0f; }
@@ -142,7 +141,7 @@ float q2q_downwash(struct q2q_app *app, const struct q2q_motion *own, uint32_t n
   float eta = 0.0f;
   place(&scene, app, own, now_us, lead_s);
   for (int j = 1; j < Q2Q_VEHICLES; ++j) {
-    app->direct[j] = in_reach(&scene, 0, j) ? pair(&scene, 0, j) : 0.0f;
+    app->direct[j] = may_push(&scene, 0, j) ? pair(&scene, 0, j) : 0.0f;
     eta += app->strength[j] * app->direct[j];
   }
   return eta;
@@ -155,8 +154,8 @@ void q2q_renew_strength(struct q2q_app *app, const struct q2q_motion *own, uint3
   place(&scene, app, own, now_us, 0.0f);
   float excess = thrust_ratio(&scene, j) - 1.0f, taken = 0.0f;
   for (int k = 0; k < Q2Q_VEHICLES; ++k) {
-    if (in_reach(&scene, j, k)) excess += down(pair(&scene, j, k)) / Q2Q_GRAVITY;
-    if (k != 0 && app->direct[k] < 0.0f && in_reach(&scene, k, j))
+    if (may_push(&scene, j, k)) excess += down(pair(&scene, j, k)) / Q2Q_GRAVITY;
+    if (k != 0 && app->direct[k] < 0.0f && may_push(&scene, k, j))
       taken += absorbed(app->direct[j], app->direct[k], pair(&scene, k, j));
   }
   app->strength[j] = larger(1.0f + Q2Q_LOADING * excess - taken, 0.0f);

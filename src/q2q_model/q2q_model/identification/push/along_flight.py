@@ -15,7 +15,7 @@ from itertools import groupby
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
+from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, downwash, retarded_pairs
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
@@ -25,6 +25,7 @@ from q2q_model.downwash.source_strength import (
     thrust_ratio,
 )
 from q2q_model.downwash.state_history import states_at
+from q2q_model.geometry.pair_reach import SLACK
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.signals.values import Array, Mask, Rows
 
@@ -126,7 +127,7 @@ class _EqualSwarms:
 
     def _law(self, model: InteractionModel, rows: _PairRows) -> Array:
         """Return the downwash of each source alone, (P, k, 3)."""
-        near = np.flatnonzero(self._in_reach(model, rows))
+        near = np.flatnonzero(self._near(model, rows))
         feels, eta = rows.feels[near], np.zeros((rows.t.size, 3))
 
         def past(delay: Array) -> SourceStates:
@@ -136,13 +137,14 @@ class _EqualSwarms:
         pairs = retarded_pairs(
             model, feels[:, :3], feels[:, 3:6], SourceStates.of_rows(rows.causes[near]), past
         )
-        eta[near] = model.acceleration(*pairs)
+        eta[near] = downwash(model, pairs)
         return eta.reshape(*rows.shape, 3)
 
-    def _in_reach(self, model: InteractionModel, rows: _PairRows) -> Mask:
-        """Return where a source may act, (P * k,): within reach, allowing for its motion during the delay."""
+    def _near(self, model: InteractionModel, rows: _PairRows) -> Mask:
+        """Return a search for pairs, (P * k,): within reach, allowing for the source's way in the delay."""
         wide, tall = model.reach.horizontal, model.reach.vertical
-        moved = model.max_delay * self._fastest[rows.flight, rows.source] if model.max_delay > 0.0 else 0.0
+        way = self._fastest[rows.flight, rows.source] if model.max_delay > 0.0 else 0.0
+        moved = model.max_delay * way + SLACK
         return np.asarray((rows.across2 <= (wide + moved) ** 2) & (rows.apart <= tall + moved))
 
     def _thrust_ratio(self, model: InteractionModel, terms: SourceTerms) -> Array:
@@ -160,10 +162,8 @@ class _EqualSwarms:
 
     @cached_property
     def _fastest(self) -> Array:
-        """Bound of the speed of every vehicle of every flight [m/s], (flights, n)."""
-        return np.stack(
-            [np.sqrt(3.0) * np.abs(one.vel).max(axis=(0, 2), initial=0.0) for one in self._motions]
-        )
+        """Largest speed from sample to sample of every vehicle of every flight [m/s], (flights, n)."""
+        return np.stack([_largest_speed(one) for one in self._motions])
 
     @cached_property
     def _vel(self) -> Array:
@@ -198,6 +198,11 @@ class _EqualSwarms:
             across2=rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2,
             apart=np.abs(rel_pos[:, 2]),
         )
+
+
+def _largest_speed(motion: Motion) -> Array:
+    steps = np.linalg.norm(np.diff(motion.pos, axis=0), axis=2) / np.diff(motion.t)[:, None]
+    return np.asarray(steps.max(axis=0, initial=0.0))
 
 
 def _one_clock(clocks: Sequence[Array]) -> list[Array]:

@@ -9,7 +9,7 @@ judged as in section 4 of the paper (Figs 11 and 13); delays and the motion of s
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, downwash_at_rest
 from q2q_model.downwash.source_strength import PAIRS_ALONE, source_terms, strengths
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -31,7 +31,7 @@ def altitude_errors(pos: Array, step: float, model: InteractionModel, loop: Alti
     for tick in range(ticks):
         there = pos[tick] + np.stack([np.zeros(n), np.zeros(n), error], -1)
         rel_pos = there[j] - there[i]
-        law = model.acceleration(rel_pos, pairs_at_rest(rel_pos))[:, 2]
+        law = downwash_at_rest(model, rel_pos)[:, 2]
         if terms != PAIRS_ALONE:
             law = law * strengths(i, j, law[:, None], np.ones((i.size, 1)), terms)[:, 0]
         eta = np.bincount(i, law, minlength=n)

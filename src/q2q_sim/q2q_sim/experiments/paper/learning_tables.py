@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_model import palette
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.downwash.interaction_model import pairs_at_rest
+from q2q_model.downwash.interaction_model import downwash_at_rest
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
@@ -117,7 +117,7 @@ def learning(folder: Path) -> ExperimentOutcome:
 def predicted_push(model: EnvelopeNetwork, record: AltitudeRecord) -> Array:
     """Return the vertical downwash [m/s^2] a model predicts for a flight of two, (T, 2)."""
     rel = record.pos[:, ::-1] - record.pos  # (T, 2, 3), of the other
-    return np.asarray(model.acceleration(rel, pairs_at_rest(rel))[..., 2])
+    return np.asarray(downwash_at_rest(model, rel)[..., 2])
 
 
 def _flown(flights: Sequence[Flight]) -> dict[str, float]:
