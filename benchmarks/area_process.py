@@ -4,9 +4,10 @@ The process is `bench.py AREA --json FILE` of this checkout, or `scripts/bench A
 """
 
 import json
+import math
 import subprocess
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO
@@ -62,12 +63,17 @@ class Bench:
 
 
 def read_rows(file: Path) -> list[Row]:
-    """Return the rows of a `--json` file, of any version. Raises AreaError."""
+    """Return the rows of a `--json` file, of any version; a value of null is NaN. Raises AreaError."""
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
-        return [Row(**{name: one[name] for name in COLUMNS if name in one}) for one in found]
+        rows = [Row(**{name: one[name] for name in COLUMNS if name in one}) for one in found]
     except (OSError, ValueError, TypeError) as error:
         raise AreaError(f"{file.name} cannot be read: {error}") from error
+    return [replace(row, value=_number(row.value)) for row in rows]
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 def _last_line(log: Path) -> str:

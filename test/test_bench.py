@@ -1,6 +1,7 @@
 """Benchmarks as a whole, nothing measured: areas fail alone, and another checkout's rows are next to ours."""
 
 import json
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ import encounters
 import planning
 import risk
 from area_process import AreaError, read_rows
-from compare_checkout import compare_rows, environment_outside
+from compare_checkout import compare_rows, comparison_table, environment_outside
 from q2q_planner.experiments.encounter_verdict import EncounterVerdict
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -180,6 +181,17 @@ def test_rows_of_other_versions_are_read(tmp_path: Path):
         file.write_text(broken)
         with pytest.raises(AreaError, match="cannot be read"):
             read_rows(file)
+
+
+def test_a_value_that_is_not_a_number_is_read_as_such_and_shown(tmp_path: Path):
+    file, rows = tmp_path / "rows.json", [Row("p50", math.nan, "ms"), Row("p99", 2.0, "ms")]
+    bench._write(rows, file)
+    first, second = read_rows(file)
+    assert math.isnan(first.value)
+    assert (replace(first, value=0.0), second) == (replace(rows[0], value=0.0), rows[1])
+    table = comparison_table("live", compare_rows([first, second], [second, first]))
+    cells = [[*column.cells] for column in table.columns]
+    assert cells == [["p50", "p99"], ["nan", "2"], ["nan", "2"], ["ms", "ms"], ["nan", "1"]]
 
 
 def test_series_in_which_no_encounter_and_no_flight_counts_have_no_row_of_their_worst():
