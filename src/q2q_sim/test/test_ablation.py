@@ -102,6 +102,20 @@ def test_a_draw_is_measured_as_its_definition_says() -> None:
     assert row["clear"] == pytest.approx(0.01)
 
 
+@pytest.mark.parametrize("unbounded", [np.inf, -np.inf, np.nan])
+def test_a_draw_with_an_error_that_is_not_finite_makes_its_cell_unknown(unbounded: float) -> None:
+    pos = np.zeros((1000, 4, 3))
+    pos[:, 1::2] = [1.0, 0.0, 0.5]
+    pos[400:500, 1::2, 0] = 0.0
+    error = np.full((1000, 4), 0.01)
+    error[450, 0] = unbounded  # under another, in the first draw
+    diverged, other = draw_columns(Trace(pos, error), 2)
+    assert not np.isfinite(diverged[[0, 2]]).any()
+    assert diverged[1] == pytest.approx(0.01)
+    np.testing.assert_allclose(other, 0.01, rtol=1e-12)
+    assert np.isnan(median_interval(np.array([[diverged[0], other[0]]]))).all()
+
+
 def test_the_interval_of_a_median_is_that_of_the_models_where_draws_agree() -> None:
     rng = np.random.default_rng(0)
     alone, alike = rng.normal(size=(6, 1)), rng.normal(size=(6, 1)) + 0.01 * rng.normal(size=(6, 20))

@@ -44,6 +44,18 @@ def test_errors_are_root_mean_squares_along_z_and_beside_it() -> None:
     assert (two.z_rmse_m, two.xy_rmse_m) == (0.0, 0.0)
 
 
+def test_errors_that_are_not_recorded_do_not_count_and_infinite_ones_do() -> None:
+    ref = _still()
+    pos = ref + np.array([0.0, 0.0, 0.2])
+    ref[700, :, 2] = np.nan
+    lacking = measure(_flight(pos, ref, np.ones((1000, 2))), SCENARIO.vehicle).vehicles["cf1"]
+    assert (lacking.z_rmse_m, lacking.worst_m) == pytest.approx((0.2, 0.2), rel=1e-12)
+    ref[701, 0, 2] = np.inf
+    one, two = measure(_flight(pos, ref, np.ones((1000, 2))), SCENARIO.vehicle).vehicles.values()
+    assert (one.z_rmse_m, one.under_rms_m, one.worst_m) == (np.inf, np.inf, np.inf)
+    assert two.z_rmse_m == pytest.approx(0.2, rel=1e-12)
+
+
 def test_tables_call_the_integral_of_squared_thrust_by_its_name_in_control() -> None:
     assert TERMINAL_HEAD[4:6] == ("control\neffort\n[N²s]", "above\nhover\n[N²s]")
     assert TRACKING["u1_energy"] == "control effort ∫ U1² dt [N²s]"

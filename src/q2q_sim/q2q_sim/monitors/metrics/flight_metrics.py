@@ -103,14 +103,14 @@ def _vehicle(when: Exposure, error: Array, thrust: Array, lasting: Array, weight
     known, lasting = len(given) > 0, lasting[len(lasting) - len(given) :]
     effort = float(np.sum(given**2 * lasting)) if known else float("nan")
     return VehicleMetrics(
-        z_rmse_m=rms(error[:, 2]),
-        xy_rmse_m=rms(np.hypot(error[:, 0], error[:, 1])),
+        z_rmse_m=rms(_recorded(error[:, 2])),
+        xy_rmse_m=rms(_recorded(np.hypot(error[:, 0], error[:, 1]))),
         u1_energy=effort,
         u1_energy_above_hover=effort - weight**2 * float(np.sum(lasting)),
         u1_max=float(given.max()) if known else float("nan"),
-        under_rms_m=rms(error[when.under, 2]),
-        clear_rms_m=rms(error[when.clear, 2]),
-        worst_m=largest(error[when.under, 2]),
+        under_rms_m=rms(_recorded(error[when.under, 2])),
+        clear_rms_m=rms(_recorded(error[when.clear, 2])),
+        worst_m=largest(_recorded(error[when.under, 2])),
     )
 
 
@@ -122,15 +122,18 @@ def held_thrust(thrust: Array) -> Array:
 
 
 def rms(error: Array) -> float:
-    """Return the root mean square of what is known; NaN of nothing."""
-    known = error[np.isfinite(error)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
+    """Return the root mean square; NaN of nothing, and not finite if an error is not."""
+    return float(np.sqrt(np.mean(error**2))) if error.size else float("nan")
 
 
 def largest(error: Array) -> float:
-    """Return the largest size of what is known; NaN of nothing."""
-    known = error[np.isfinite(error)]
-    return float(np.abs(known).max()) if len(known) else float("nan")
+    """Return the largest size; NaN of nothing, and not finite if an error is not."""
+    return float(np.abs(error).max()) if error.size else float("nan")
+
+
+def _recorded(error: Array) -> Array:
+    """Return the errors that are recorded: all but NaN."""
+    return np.asarray(error[~np.isnan(error)])
 
 
 def _closeness(pos: Array, dt: float, zone: Cylinder) -> tuple[float, float]:
