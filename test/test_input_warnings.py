@@ -107,7 +107,7 @@ def test_vehicles_that_a_topic_lacks_are_reported_once(node: Node) -> None:
 
 
 def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_after_a_state(node: Node) -> None:
-    names = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?")
+    names = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?", Health())
     names.update(0, frame("cf7", "cf1"))
     assert warnings(node) == []
     for measured in (("cf1", "cf2"), ("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2", "cf7")):
@@ -119,7 +119,7 @@ def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_afte
 
 def test_unknown_names_that_change_for_ever_are_reported_a_bounded_number_of_times(node: Node) -> None:
     warn = warn_of_unknown_names(node, "mocap", ("cf1",))
-    absent = AbsentNames(node, "state", "reference_safe: {}")
+    absent = AbsentNames(node, "state", "reference_safe: {}", Health())
     absent.take_source(("cf1",))
     for k in range(5 * MOST_WARNINGS):
         warn(0, frame("cf1", f"m{k}"))

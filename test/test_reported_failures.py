@@ -15,6 +15,7 @@ from std_srvs.srv import Empty
 from q2q_control.ros import pid_node
 from q2q_model.diagnostics.health import Health, HealthReport, Level, health_report
 from q2q_model.node.warm_up import synthetic_signal
+from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.ros.node.publisher_conflicts import TopicConflict
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.cdr.cdr_reader import decode
@@ -189,3 +190,17 @@ def test_a_second_writer_of_an_input_is_reported_once_and_graded_until_it_is_gon
         after = health_report(Health(), health)
         assert (after.level, after.summary) == ((Level.WARN, message) if found else (Level.OK, "5 ticks"))
     assert graph.lines == [message]
+
+
+def test_the_vehicle_that_stays_without_a_state_is_named_after_the_others_came_one_by_one() -> None:
+    vehicles = tuple(f"cf{k:02d}" for k in range(2 * MOST_WARNINGS))
+    node, wiring = controller()
+    node.takers["reference_safe"](encode(synthetic_signal(SwarmSetpoint, 0.0, vehicles), 0))
+    for count in range(1, len(vehicles)):
+        state = synthetic_signal(SwarmState, 0.01 * count, vehicles[:count])
+        node.takers["state"](encode(state, stamp_from_time(0.01 * count)))
+    assert f"{vehicles[-1]} not in state, which has cf00, cf01" in graded(wiring).summary
+    whole = synthetic_signal(SwarmState, 1.0, vehicles)
+    node.takers["state"](encode(whole, stamp_from_time(1.0)))
+    assert "not in state" not in graded(wiring).summary
+    assert sum("not in state" in line for line in node.lines) == MOST_WARNINGS

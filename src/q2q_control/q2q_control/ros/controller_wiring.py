@@ -101,7 +101,8 @@ def wire_controller(
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
     for topic in ("state", "reference_safe"):
         wiring.listen(topic, warn_of_missing_names(node, topic, params.vehicles))
-    unmeasured = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?")
+    why = "reference_safe: {}: is the plan for these vehicles?"
+    unmeasured = AbsentNames(node, "state", why, wiring.health)
     wiring.listen("state", lambda _, state: unmeasured.take_source(state.names))
     wiring.listen("reference_safe", unmeasured.update)
     fallback = declare(node, FallbackParams())

@@ -11,7 +11,7 @@ from q2q_model.diagnostics.health import Health, HealthReport, health_report, ti
 from q2q_model.ros.node.steady_timer import steady_timer
 
 MOST_WARNINGS = 20
-"""Warnings of a node's life about its input; `/diagnostics` has all."""
+"""Most warnings of one kind about a node's input, in the life of the node."""
 PERIOD_S = 1.0
 """Period of the report [s]; the default of diagnostic_updater."""
 

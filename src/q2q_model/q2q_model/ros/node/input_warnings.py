@@ -1,7 +1,7 @@
 """Warnings of input that is of no use to a node: unknown names, stalled stamps.
 
 Names that change for ever are reported MOST_WARNINGS times at most; missing vehicles as many more times as
-there are vehicles, which may come one by one.
+there are vehicles, which may come one by one. Health has what AbsentNames finds for as long as it is so.
 """
 
 from collections.abc import Callable
@@ -61,10 +61,10 @@ def _warn_once(
 class AbsentNames:
     """Warning, once for the same names, of vehicles with a setpoint that a source of vehicles has not."""
 
-    def __init__(self, node: Node, source: str, warning: str, health: Health | None = None) -> None:
+    def __init__(self, node: Node, source: str, warning: str, health: Health) -> None:
         """Compare setpoints with a source once it is there: "cf7 not in source ..." is {} in the warning.
 
-        A `health` has it too, as long as it is so.
+        `health` has it too, as long as it is so.
         """
         self._node, self._source, self._warning, self._health = node, source, warning, health
         self._there: Names = ()
@@ -86,8 +86,7 @@ class AbsentNames:
     def _compare(self) -> None:
         absent = tuple(sorted(set(self._asked) - set(self._there))) if self._there else ()
         message = f"{', '.join(absent)} not in {self._source}, which has {', '.join(self._there)}"
-        if self._health is not None:
-            self._health.doubts[f"{self._source}'s vehicles"] = message if absent else ""
+        self._health.doubts[f"{self._source}'s vehicles"] = message if absent else ""
         if absent not in self._warned and len(self._warned) <= MOST_WARNINGS:
             self._warned.add(absent)
             self._node.get_logger().warning(self._warning.format(message))
