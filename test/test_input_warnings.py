@@ -19,6 +19,7 @@ from q2q_model.geometry.rotations import identity_quat
 from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, warning_log
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.ros.node.input_warnings import (
+    MOST_NAMES,
     AbsentNames,
     StalledStampWarning,
     warn_of_missing_names,
@@ -135,6 +136,21 @@ def test_the_vehicle_that_stays_missing_is_reported_after_the_others_came_one_by
     for k in range(1, len(vehicles)):
         warn(0, frame(*vehicles[:k]))
     assert warnings(node)[-1].startswith(f"state: {vehicles[-1]} missing: ")
+
+
+def test_of_many_names_the_first_are_listed_and_the_others_counted(node: Node) -> None:
+    names, health = tuple(f"m{k:05d}" for k in range(10_000)), Health()
+    absent = AbsentNames(node, "state", "reference_safe: {}", health)
+    absent.take_source(("cf1", *names[:MOST_NAMES]))
+    absent.update(0, frame(*names[: MOST_NAMES + 1]))
+    assert health.doubts["state's vehicles"].endswith(f", {names[MOST_NAMES - 2]}, and 1 more")
+    assert health.doubts["state's vehicles"].startswith(f"{names[MOST_NAMES]} not in state, which has cf1, m")
+    warn_of_unknown_names(node, "mocap", ("cf1",))(0, frame(*names))
+    warn_of_missing_names(node, "state", names)(0, frame(*names[:-MOST_NAMES]))
+    _, unknown, missing = warnings(node)
+    first = ", ".join(names[:MOST_NAMES])
+    assert unknown == f"mocap: {first}, and 9980 more ignored: vehicles are cf1"
+    assert missing == f"state: {', '.join(names[-MOST_NAMES:])} missing: it has {first}, and 9960 more"
 
 
 def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: Node) -> None:

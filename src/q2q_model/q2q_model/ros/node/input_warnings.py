@@ -15,6 +15,8 @@ from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import Names
 
 TakeSignal = Callable[[int, Signal], None]
+MOST_NAMES = 20
+"""Most names in a list of a warning."""
 
 
 def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal:
@@ -23,7 +25,7 @@ def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
     def unknown(names: Names) -> Names:
         return tuple(sorted(set(names) - set(vehicles))) if vehicles else ()
 
-    why = f"ignored: vehicles are {', '.join(vehicles)}"
+    why = f"ignored: vehicles are {_listed(vehicles)}"
     return _warn_once(node, topic, unknown, lambda _: why, MOST_WARNINGS)
 
 
@@ -34,7 +36,7 @@ def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
         return tuple(sorted(set(vehicles) - set(names)))
 
     def why(names: Names) -> str:
-        return f"missing: it has {', '.join(names) or 'none'}"
+        return f"missing: it has {_listed(names) or 'none'}"
 
     return _warn_once(node, topic, missing, why, MOST_WARNINGS + len(vehicles))
 
@@ -53,9 +55,15 @@ def _warn_once(
         different = differ(last)
         if different not in warned and len(warned) <= most:
             warned.add(different)
-            node.get_logger().warning(f"{topic}: {', '.join(different)} {why(last)}")
+            node.get_logger().warning(f"{topic}: {_listed(different)} {why(last)}")
 
     return warn
+
+
+def _listed(names: Names) -> str:
+    """Return the first names, and how many more there are."""
+    rest = (f"and {len(names) - MOST_NAMES} more",) if len(names) > MOST_NAMES else ()
+    return ", ".join((*names[:MOST_NAMES], *rest))
 
 
 class AbsentNames:
@@ -85,7 +93,7 @@ class AbsentNames:
 
     def _compare(self) -> None:
         absent = tuple(sorted(set(self._asked) - set(self._there))) if self._there else ()
-        message = f"{', '.join(absent)} not in {self._source}, which has {', '.join(self._there)}"
+        message = f"{_listed(absent)} not in {self._source}, which has {_listed(self._there)}"
         self._health.doubts[f"{self._source}'s vehicles"] = message if absent else ""
         if absent not in self._warned and len(self._warned) <= MOST_WARNINGS:
             self._warned.add(absent)
