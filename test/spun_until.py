@@ -9,8 +9,8 @@ TIMEOUT_S = 60.0
 """Longest wait on a busy machine [s]."""
 
 
-def spin_until(executor: Executor, reached: Callable[[], bool], what: str = "what is waited for") -> None:
-    """Let callbacks run until something is so."""
+def spin_until(executor: Executor, reached: Callable[[], bool], what: str) -> None:
+    """Let callbacks run until something is so; `what` names it in the error."""
     deadline = monotonic() + TIMEOUT_S
     while not reached():
         assert monotonic() < deadline, f"{what}: not within {TIMEOUT_S} s"

@@ -60,9 +60,13 @@ def test_a_simulator_under_sim_time_speaks_and_a_namespaced_recorder_keeps_it(
     watcher, seen = made(executor, "watcher"), []
     watcher.create_subscription(MESSAGES[MocapFrame], "mocap", seen.append, TICK, raw=True)
     client = watcher.create_client(Trigger, "simulator/start")
-    spin_until(executor, lambda: client.service_is_ready() and watcher.count_subscribers("/room/mocap") == 2)
+    spin_until(
+        executor,
+        lambda: client.service_is_ready() and watcher.count_subscribers("/room/mocap") == 2,
+        "simulator/start, and two subscriptions to /room/mocap",
+    )
     client.call_async(Trigger.Request())
-    spin_until(executor, lambda: len(seen) >= FRAMES)
+    spin_until(executor, lambda: len(seen) >= FRAMES, f"{FRAMES} frames")
     simulator.close()
     recorder.close()
     assert list(BagReader(bag).topics) == ["/room/mocap"]
@@ -80,13 +84,17 @@ def test_a_simulator_starts_by_itself_once_the_others_are_connected_and_no_frame
     watcher, frames = made(executor, "watcher"), []
     watcher.create_subscription(MESSAGES[MocapFrame], "mocap", frames.append, TICK, raw=True)
     client = watcher.create_client(Trigger, "simulator/start")
-    spin_until(executor, lambda: client.service_is_ready() and watcher.count_publishers("/room/mocap") == 1)
+    spin_until(
+        executor,
+        lambda: client.service_is_ready() and watcher.count_publishers("/room/mocap") == 1,
+        "simulator/start, and a publisher of /room/mocap",
+    )
     for _ in range(10):
         executor.spin_once(timeout_sec=0.05)
     assert frames == []
     late, seen = made(executor, "late"), []
     late.create_subscription(MESSAGES[MocapFrame], "mocap", seen.append, TICK, raw=True)
     offer_ready(late)
-    spin_until(executor, lambda: bool(seen))
+    spin_until(executor, lambda: bool(seen), "the first frame")
     assert header_stamp_ns(seen[0]) == 0
     simulator.close()

@@ -60,11 +60,11 @@ def test_messages_that_are_read_late_are_all_in_the_bag(
         executor = make_executor()
         executor.add_node(late)
         writer = writing.create_publisher(SwarmCommand, "command", TICK_WRITER)
-        spin_until(executor, lambda: writer.get_subscription_count() > 0)
+        spin_until(executor, lambda: writer.get_subscription_count() > 0, "the recorder's subscription")
         for _ in range(SENT):
             writer.publish(SwarmCommand())
         health = recorder.bag.health
-        spin_until(executor, lambda: health.ticks + health.missed >= SENT)
+        spin_until(executor, lambda: health.ticks + health.missed >= SENT, f"{SENT} messages")
         recorder.close()
         writing.destroy_node()
     assert sum(1 for _ in BagReader(bag).raw()) == SENT
@@ -85,7 +85,7 @@ def test_what_a_driver_sends_best_effort_is_recorded_as_such(tmp_path: Path, top
             writer.publish(SwarmCommand())
             return recorder.bag.health.ticks > 0
 
-        spin_until(executor, is_heard)
+        spin_until(executor, is_heard, "a best-effort message")
         recorder.close()
         writing.destroy_node()
     assert [one.topic for one in BagReader(bag).raw()][:1] == [f"/{topic}"]
@@ -104,7 +104,7 @@ def test_a_topic_that_is_published_with_another_type_is_named_with_both(
         executor = make_executor()
         executor.add_node(node)
         writing.create_publisher(String, "command", OUTSIDE)
-        spin_until(executor, lambda: bool(recorder.bag.other_types))
+        spin_until(executor, lambda: bool(recorder.bag.other_types), "the other type")
         rclpy.shutdown(context=other)
         recorder.close()
     said = "/command is published as std_msgs/msg/String, not as q2q_msgs/msg/SwarmCommand"
@@ -130,9 +130,9 @@ def test_what_was_latched_before_and_after_the_recorder_began_is_recorded_once(
         writer.publish(sent[0])
         recorder = recorder or Recorder(node)
         health = recorder.bag.health
-        spin_until(executor, lambda: health.ticks > 0)
+        spin_until(executor, lambda: health.ticks > 0, "the first message")
         writer.publish(sent[1])
-        spin_until(executor, lambda: health.ticks >= len(sent))
+        spin_until(executor, lambda: health.ticks >= len(sent), "the second message")
         recorder.close()
         writing.destroy_node()
     assert [bytes(one.data) for one in BagReader(bag).raw()] == sent
@@ -147,12 +147,13 @@ def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_
         executor.add_node(node)
         latching = writing.create_publisher(SwarmCommand, "map", LATCHED)
         latching.publish(serialized_at(1))
-        spin_until(executor, lambda: recorder.bag.health.ticks > 0)
+        spin_until(executor, lambda: recorder.bag.health.ticks > 0, "the latched message")
         other = writing.create_publisher(SwarmCommand, "map", TICK_WRITER)
-        spin_until(executor, lambda: all(one.get_subscription_count() for one in (latching, other)))
+        both = (latching, other)
+        spin_until(executor, lambda: all(one.get_subscription_count() for one in both), "two subscriptions")
         for writer, second in ((latching, 2), (other, 3)):
             writer.publish(serialized_at(second))
-        spin_until(executor, lambda: recorder.bag.health.ticks >= 3)
+        spin_until(executor, lambda: recorder.bag.health.ticks >= 3, "three messages")
         recorder.close()
         writing.destroy_node()
     stored = [bytes(one.data) for one in BagReader(bag).raw()]

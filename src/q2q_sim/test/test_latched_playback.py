@@ -67,7 +67,11 @@ def heard_late(playing: Node, topics: Mapping[str, int]) -> dict[str, list[str]]
     executor = make_executor()
     executor.add_node(playing)
     executor.add_node(late)
-    spin_until(executor, lambda: all(len(heard[topic]) >= count for topic, count in topics.items()))
+    spin_until(
+        executor,
+        lambda: all(len(heard[topic]) >= count for topic, count in topics.items()),
+        f"latched messages of {', '.join(topics)}",
+    )
     late.destroy_node()
     return heard
 
