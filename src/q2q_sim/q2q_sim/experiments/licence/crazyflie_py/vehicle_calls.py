@@ -209,14 +209,12 @@ def full_state_packet(pos: Points, vel: Points, acc: Points, yaw: float, omega: 
     )
 
 
-def start_packet(
-    trajectoryId: int, timescale: float, reverse: bool, groupMask: int, *, relative: bool
-) -> Packet:
+def start_packet(number: int, timescale: float, reverse: bool, mask: int, *, relative: bool) -> Packet:
     """Return the packet of the start of a trajectory by a program."""
     return server_packets.start(
-        whole(trajectoryId, "startTrajectory: trajectoryId", BYTE),
+        whole(number, "startTrajectory: trajectoryId", BYTE),
         real(timescale, "startTrajectory: timescale"),
         backwards=flag(reverse, "startTrajectory: reverse"),
         relative=flag(relative, "startTrajectory: relative"),
-        mask=whole(groupMask, "startTrajectory: groupMask", MASK),
+        mask=whole(mask, "startTrajectory: groupMask", MASK),
     )
