@@ -4,12 +4,13 @@ Encounter k is made from seed k, so that any one of them can be flown again: `--
 """
 
 import sys
+from argparse import Namespace
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from q2q_model.commands.command_line import CommandLine
+from q2q_model.commands.command_line import CommandLine, run_command
 from q2q_planner.experiments.encounter_verdict import EncounterVerdict, judge_encounter
 from q2q_planner.experiments.random_encounters import random_encounter
 from q2q_planner.experiments.replanned_encounter import fly_encounter
@@ -69,11 +70,18 @@ def _extremes(held: Sequence[EncounterVerdict]) -> list[Row]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a campaign; return 1 where a promise was broken, or a failure not announced."""
+    return run_command(_parser(), lambda _: _campaign, arguments)
+
+
+def _parser() -> CommandLine:
     made = CommandLine("encounters", __doc__, EXAMPLE)
     made.add_argument("--first", type=int, default=0, help="seed of the first encounter (default 0)")
     made.add_argument("--count", type=int, default=1000, help="how many (default 1000)")
     made.add_argument("--jobs", type=int, default=1, help="processes at once (default 1)")
-    args = made.parse_args(arguments)
+    return made
+
+
+def _campaign(args: Namespace) -> int:
     seeds = range(args.first, args.first + args.count)
     if args.jobs == 1:
         verdicts = _with_progress(map(verdict_of, seeds), args.first)

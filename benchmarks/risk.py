@@ -10,13 +10,14 @@ delays and losses of a real room; `--attitude firmware` flies the emulated stock
 """
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import get_args
 
 import numpy as np
 
-from q2q_model.commands.command_line import CommandLine
+from q2q_model.commands.command_line import CommandLine, run_command
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.geometry.zone import Ellipsoid, Zone
 from q2q_model.model_files.find_model import find_model
@@ -174,6 +175,10 @@ def capacity_rows(seeds: range, tube: RiskTube) -> list[Row]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure one of both."""
+    return run_command(_parser(), lambda _: _measure, arguments)
+
+
+def _parser() -> CommandLine:
     made = CommandLine("risk", __doc__, EXAMPLE)
     made.add_argument("what", choices=("capacity", "tube"))
     made.add_argument("--draws", type=int, default=3, help="random rooms of each zone (default 3)")
@@ -186,7 +191,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made.add_argument(
         "--tube", type=float, nargs=2, required=True, metavar=("HORIZONTAL", "VERTICAL"), help="[m]"
     )
-    args = made.parse_args(arguments)
+    return made
+
+
+def _measure(args: Namespace) -> int:
     tube = RiskTube(args.tube[0], args.tube[1], 0.5 * ALPHA)
     if args.what == "capacity":
         rows = capacity_rows(range(args.draws), tube)

@@ -7,13 +7,14 @@ count as the Python function that calls them.
 
 import subprocess
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
 
-from q2q_model.commands.command_line import CommandLine
+from q2q_model.commands.command_line import CommandLine, run_command
 from q2q_model.documents.written_file import write_text
 
 EXAMPLE = "  python benchmarks/tick_profile.py stack --out out/stack.svg"
@@ -43,7 +44,10 @@ WAYS = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Sample a flight, draw it, print its busiest functions; return the exit status."""
-    args = _parser().parse_args(arguments)
+    return run_command(_parser(), lambda _: _run, arguments)
+
+
+def _run(args: Namespace) -> int:
     if args.fly_pure:
         return _fly_pure(args.way)
     if args.way not in WAYS or args.out is None:
