@@ -38,6 +38,21 @@ def test_a_circle_of_1_m_has_no_outlier_at_any_rate(rate: float, speed: float):
     assert not find_outliers(t, np.stack([np.cos(speed * t), np.sin(speed * t), 0.0 * t], axis=-1)).any()
 
 
+@pytest.mark.parametrize("rows_apart", [2, 10])
+def test_rows_of_other_topics_and_vehicles_do_not_change_the_outliers(rows_apart: int):
+    """A log of the motors at 1 kHz beside poses at 100 Hz: times are counted in samples of the vehicle."""
+    t = np.arange(0.0, 10.0, 0.01)
+    pos = np.stack([np.cos(3.0 * t), np.sin(3.0 * t), 0.0 * t], axis=-1)
+    pos[t > 6.0] += [3.0, 0.0, 0.0]  # carried away
+    pos[200:204] += [0.0, 0.0, 0.5]
+    rows = np.arange(t.size) * rows_apart
+    joined = np.full((t.size * rows_apart, 3), np.nan)
+    joined[rows] = pos
+    found = find_outliers(np.arange(len(joined)) * 0.01 / rows_apart, joined)
+    np.testing.assert_array_equal(found[rows], find_outliers(t, pos))
+    assert np.flatnonzero(found[rows]).tolist() == [200, 201, 202, 203]
+
+
 @pytest.mark.parametrize("rate", [100.0, 20.0])
 def test_a_vehicle_that_is_carried_away_is_accepted_after_2_s_at_any_rate(rate: float):
     t = np.arange(0.0, 10.0, 1.0 / rate)

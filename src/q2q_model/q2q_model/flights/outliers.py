@@ -15,8 +15,9 @@ Sample k at r_k is an outlier when one of these holds:
 
 Dynamic programming finds the chain over segments (runs without a forbidden step or a gap). A transition to a
 segment out of reach costs the samples of TELEPORT: a vehicle that was carried elsewhere and stays there is
-accepted, a marker swap of a few tenths of a second is not. Both times are rounded to samples; from
-about 10 Hz down w is 0 and the rule of the position is left out, as flight itself is far from a median then.
+accepted, a marker swap of a few tenths of a second is not. Both times are rounded to samples of the vehicle;
+from about 10 Hz down w is 0 and the rule of the position is left out, as flight itself is far from a median
+then.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -72,9 +73,10 @@ def _outliers_of_track(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
     with np.errstate(invalid="ignore"):
         inside = np.all(np.abs(pos) <= limits.pos_max, axis=-1)
     kept = np.flatnonzero(inside)
+    teleport, reach = (_samples(t[kept], span) for span in (TELEPORT, MEDIAN_REACH))
     kept = kept[~_old_frames(t[kept], pos[kept], limits)]
-    kept = kept[_on_chain(t[kept], pos[kept], limits, _samples(t, TELEPORT))]
-    kept = kept[~_off_median(t[kept], pos[kept], limits, _samples(t, MEDIAN_REACH))]
+    kept = kept[_on_chain(t[kept], pos[kept], limits, teleport)]
+    kept = kept[~_off_median(t[kept], pos[kept], limits, reach)]
     bad = np.ones(len(t), dtype=bool)
     bad[kept] = False
     return bad
