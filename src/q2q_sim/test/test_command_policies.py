@@ -1,11 +1,15 @@
 """Policies of commands: thrust, tilt and numbers, in one message or in several."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from changed_flights import AROUND, SCENARIO, broken, changed, one_each, received, with_row
+from changed_flights import AROUND, SCENARIO, Change, broken, changed, one_each, received, with_row
 
 from q2q_model.signals.values import (
     SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
 )
 from q2q_sim.monitors.policies import (
     judge,
@@ -58,11 +62,27 @@ def test_tilt_counts_roll_and_pitch_together() -> None:
     assert broken(changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27))) == set()
 
 
-def test_what_is_nan_throughout_was_not_recorded_and_what_is_nan_at_times_is_broken() -> None:
-    """A table without yaw, or without angles, makes such a bag."""
+def test_what_is_nan_throughout_a_table_was_not_recorded_and_what_is_nan_at_times_is_broken() -> None:
+    """A table without yaw, or without angles, makes such a bag: in lockstep, without true positions."""
+    table = [one for one in received() if one.topic not in {"truth", "truth_interference"}]
+
+    def found(change: Change) -> set[str]:
+        return {one.policy for one in judge(trace_of(map(change, table)), AROUND)}
+
     everywhere = changed(SwarmCommand, -1.0, 9.0, roll=lambda roll: roll * np.nan)
-    assert broken(everywhere) == set()
-    assert "tilt" in policies_without_evidence(trace_of(map(everywhere, received())))
-    assert broken(changed(SwarmCommand, 0.5, 9.0, roll=lambda roll: roll * np.nan)) == {"numbers"}
-    assert broken(changed(SwarmCommand, -1.0, 9.0, roll=with_row(1, np.nan))) == {"numbers"}
-    assert "numbers" in broken(changed(SwarmCommand, -1.0, 9.0, thrust=lambda thrust: thrust + np.inf))
+    assert found(everywhere) == set()
+    assert "tilt" in policies_without_evidence(trace_of(map(everywhere, table)))
+    assert found(changed(SwarmCommand, 0.5, 9.0, roll=lambda roll: roll * np.nan)) == {"numbers"}
+    assert found(changed(SwarmCommand, -1.0, 9.0, roll=with_row(1, np.nan))) == {"numbers"}
+    assert "numbers" in found(changed(SwarmCommand, -1.0, 9.0, thrust=lambda thrust: thrust + np.inf))
+
+
+@pytest.mark.parametrize(
+    ("kind", "column"), [(SwarmCommand, "roll"), (SwarmState, "vel"), (SwarmSetpoint, "pos")]
+)
+def test_what_a_node_sends_as_nan_throughout_is_broken(kind: type, column: str) -> None:
+    """A simulator has true positions; live signals are recorded later than they are stamped."""
+    everywhere = changed(kind, -1.0, 9.0, **{column: lambda values: values * np.nan})
+    assert "numbers" in broken(everywhere)
+    live = [replace(one, at=one.at + 0.01) for one in received() if one.topic != "truth"]
+    assert {one.policy for one in judge(trace_of(map(everywhere, live)), AROUND)} >= {"numbers"}

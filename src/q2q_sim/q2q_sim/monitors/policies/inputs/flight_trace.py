@@ -124,6 +124,9 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
     states, commands = Table(grid, topics["state"]), Table(grid, topics["command"])
     true_pos = Table(grid, topics["truth"]).column("pos", 3)
     sent = topics["reference_safe"] if topics["reference_safe"].signals else topics["reference"]
+    live = bool((np.abs(at["command"] - topics["command"].stamps) > SAME_TICK).any())
+    imported = not live and not topics["truth"].signals
+    not_finite = (_first_not_finite(name, topic, imported=imported) for name, topic in topics.items())
     return FlightTrace(
         t=grid.t,
         names=names,
@@ -139,8 +142,8 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
         command_status=commands.column("status", 1),
         recorded_at=at[ticks_of][first],
         commanded_at=_new_commands(topics["command"], at["command"]),
-        live=bool((np.abs(at["command"] - topics["command"].stamps) > SAME_TICK).any()),
-        not_finite=tuple(filter(None, (_first_not_finite(*named) for named in topics.items()))),
+        live=live,
+        not_finite=tuple(filter(None, not_finite)),
         true_downwash=Table(grid, topics["truth_interference"]).column("acc", 3),
     )
 
@@ -183,10 +186,11 @@ _REFUSED = {"age": np.isnan, "std": np.isinf, "quat": np.isinf}
 an age that is infinite means never, a deviation that is NaN unknown, an attitude that is NaN none yet."""
 
 
-def _first_not_finite(name: str, topic: Topic) -> str:
+def _first_not_finite(name: str, topic: Topic, *, imported: bool) -> str:
     """Return the first value of a topic that is not finite, else nothing; frames may have NaN.
 
-    An attribute that is NaN throughout was not recorded, as by a table without its columns.
+    An attribute that is NaN throughout an imported flight was not recorded, as by a table without its
+    columns; in others a node has sent it.
     """
     signals = topic.signals
     if not signals or isinstance(signals[0], MocapFrame):
@@ -196,7 +200,9 @@ def _first_not_finite(name: str, topic: Topic) -> str:
         if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
         refused, every = _REFUSED.get(attribute, _not_finite), topic.values(attribute).values()
-        if any(refused(values).any() for values in every) and not all(np.isnan(some).all() for some in every):
+        if imported and all(np.isnan(values).all() for values in every):
+            continue
+        if any(refused(values).any() for values in every):
             first = next(signal for signal in signals if refused(getattr(signal, attribute)).any())
             return f"{name} at {first.t:.3f} s: {attribute} is not finite"
     return ""
