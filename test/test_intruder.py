@@ -127,6 +127,26 @@ def test_a_node_that_keeps_to_its_machine_is_bound_to_loopback() -> None:
     assert not has_own_profile(environment)
 
 
+@pytest.mark.parametrize("domain", ["", "0", "231"])
+def test_a_node_that_keeps_to_its_machine_may_be_in_any_domain_but_the_last(domain: str) -> None:
+    """In 232 ports of the 120 participants exceed 65535, at which Fast DDS ends the process."""
+    environment = HERE | {"ROS_DOMAIN_ID": domain}
+    restrict(environment)
+    with pytest.raises(ValueError, match="ROS_DOMAIN_ID is 232, which has too few ports: choose one from 0"):
+        restrict(environment | {"ROS_DOMAIN_ID": "232"})
+
+
+def test_nodes_in_the_domain_before_the_last_start() -> None:
+    opened = subprocess.run(
+        [sys.executable, "-c", PRINT_SHARED],
+        env=clean_environment(**HERE, ROS_DOMAIN_ID="231"),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert json.loads(opened.stdout) == []
+
+
 def test_a_node_that_keeps_to_its_machine_shares_no_memory() -> None:
     opened = subprocess.run(
         [sys.executable, "-c", PRINT_SHARED],

@@ -9,6 +9,7 @@ leaves files in /dev/shm. UDP on loopback is as fast for 2, 100 and 200 vehicles
 So the profile has one transport, on 127.0.0.1, that discovers as LOCALHOST does; rmw leaves profiles alone
 under SYSTEM_DEFAULT. It announces a participant to the ports of 120, where rmw tries those of 32: as many fit
 in a domain (ports from 7410 + 250 domain on, two each). Of 40, each takes 0.7 ms of processor time a second.
+In the last domain, 232, these ports exceed 65535, at which Fast DDS ends the process.
 
 Peers or a discovery server set by the user are on other machines: then nothing is restricted. A profile of
 the user takes precedence. Other middleware ignores ours.
@@ -25,6 +26,8 @@ PROFILE = Path(__file__).with_name("loopback.xml")
 PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """Environment variables of a profile: up to Fast DDS 2, the version of ours, and from 3."""
 RANGE, DEPRECATED = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"
+DOMAIN, LAST_DOMAIN = "ROS_DOMAIN_ID", "232"
+"""Environment variable of the domain, and the one that ROS allows and PROFILE has too many ports for."""
 BEYOND = ("ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 """Environment variables that name other machines."""
 
@@ -51,10 +54,16 @@ def restriction(profile: Path) -> dict[str, str]:
 
 
 def restrict(environment: MutableMapping[str, str]) -> None:
-    """Bind the ports of nodes started in an environment to loopback if they are to stay on this machine."""
+    """Bind the ports of nodes started in an environment to loopback if they are to stay on this machine.
+
+    Raises:
+        ValueError: they are to, in LAST_DOMAIN.
+    """
     if has_own_profile(environment):
         return
     if stays_here(environment):
+        if environment.get(DOMAIN, "").strip() == LAST_DOMAIN:
+            raise ValueError(f"{DOMAIN} is {LAST_DOMAIN}, which has too few ports: choose one from 0 to 231")
         environment.update(restriction(PROFILE))
         environment.pop(DEPRECATED, None)
         return

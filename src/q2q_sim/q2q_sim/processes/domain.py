@@ -19,6 +19,7 @@ def own_domain() -> Iterator[int]:
 
     Raises:
         OSError: all domains are taken.
+        ValueError: the domain of the user is the last one, on this machine only.
     """
     os.environ.setdefault(RANGE, "LOCALHOST")
     restrict(os.environ)
