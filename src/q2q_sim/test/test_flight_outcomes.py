@@ -53,14 +53,16 @@ def test_a_collision_has_the_time_of_the_first_contact_and_the_smallest_distance
 
 
 def test_a_vehicle_that_never_left_the_floor_did_not_take_off() -> None:
-    """Its setpoint exceeds 0.1 m just after 1 s; one that rises later and falls has hit the floor, too."""
+    """Its setpoint exceeds 0.1 m just after 1 s. One that rises later took off, and may fall."""
     path = HOVER.copy()
     path[:, 1, 2] = np.clip(T - 0.9, 0.0, 1.0)
     grounded = HOVER.copy()
     grounded[:, 1, 2] = 0.0
     assert output(flown(grounded, path)) == "cf2 did not take off at 1.0 s"
-    grounded[(T > 4.0) & (T < 6.0), 1, 2] = 1.0
-    assert output(flown(grounded, path)) == "cf2 did not take off at 1.0 s; cf2 hit the floor at 6.0 s"
+    grounded[T > 4.0, 1, 2] = 1.0
+    assert output(flown(grounded, path)) == "cf2 was still on the floor at 1.0 s"
+    grounded[T > 6.0, 1, 2] = 0.0
+    assert output(flown(grounded, path)) == "cf2 was still on the floor at 1.0 s; cf2 hit the floor at 6.0 s"
 
 
 def test_a_part_that_begins_on_the_floor_does_not_show_that_a_vehicle_did_not_take_off() -> None:

@@ -2,7 +2,7 @@
 
 | finding | judged by |
 |---|---|
-| a vehicle hit the floor, or did not take off | policy `floor` |
+| a vehicle hit the floor, or did not take off, or late | policy `floor` |
 | a vehicle landed without feedback, was flown blind to the end, or was never measured | sent_down.py |
 | motors were cut, by an emergency stop or by the failsafe | sent_down.py |
 | two vehicles collided | policy `separation` |

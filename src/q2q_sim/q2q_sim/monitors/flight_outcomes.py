@@ -65,16 +65,17 @@ def _collisions(trace: FlightTrace, limits: Limits) -> Iterator[_Outcome]:
 
 
 def _falls(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[_Outcome]:
-    """Yield the first fall of each vehicle, and before it that the vehicle did not take off.
+    """Yield the first fall of each vehicle, and before it that the vehicle did not take off, or did so late.
 
     Only a recording from its begin shows that a vehicle on the floor has not flown before.
     """
     risen = trace.true_pos[..., 2] > circumstances.limits.take_off
     for row, ticks in falls(trace, circumstances).items():
-        name, never_rose = trace.names[row], trace.t[0] == begin and not risen[: ticks[0], row].any()
-        if never_rose:
-            yield _Outcome("floor", name, "did not take off", float(trace.t[ticks[0]]))
-        if fallen := ticks[1:] if never_rose else ticks:
+        name, stood = trace.names[row], trace.t[0] == begin and not risen[: ticks[0], row].any()
+        if stood:
+            what = "was still on the floor" if risen[:, row].any() else "did not take off"
+            yield _Outcome("floor", name, what, float(trace.t[ticks[0]]))
+        if fallen := ticks[1:] if stood else ticks:
             yield _Outcome("floor", name, "hit the floor", float(trace.t[fallen[0]]))
 
 
