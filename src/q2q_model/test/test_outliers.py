@@ -53,6 +53,16 @@ def test_rows_of_other_topics_and_vehicles_do_not_change_the_outliers(rows_apart
     assert np.flatnonzero(found[rows]).tolist() == [200, 201, 202, 203]
 
 
+@pytest.mark.parametrize("at_once", [2, 5])
+def test_of_poses_that_come_several_at_once_only_outliers_are_found(at_once: int):
+    """Stamped on receipt, 1 ms apart: the median of all steps may be 1 ms, and 50 ms are 5 samples still."""
+    sample = np.arange(800)
+    t, received = 0.01 * sample, 0.01 * at_once * (sample // at_once) + 0.001 * (sample % at_once)
+    pos = np.stack([np.cos(2.0 * t), np.sin(2.0 * t), 0.0 * t], axis=-1)
+    pos[50::100] += [0.0, 0.0, 0.6]
+    assert np.flatnonzero(find_outliers(received, pos)).tolist() == list(range(50, 800, 100))
+
+
 @pytest.mark.parametrize("rate", [100.0, 20.0])
 def test_a_vehicle_that_is_carried_away_is_accepted_after_2_s_at_any_rate(rate: float):
     t = np.arange(0.0, 10.0, 1.0 / rate)

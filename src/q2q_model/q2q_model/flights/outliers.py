@@ -40,6 +40,8 @@ TELEPORT = 2.0
 """Length from which a segment out of reach is accepted [s]."""
 GAP = 1.5
 """Time step from which there is a gap, and a new segment begins [median steps]."""
+STEP_OVER = 10
+"""Steps over which the time of one is measured: poses stamped on receipt may come several at once."""
 SEGMENTS_BACK = 200
 """Number of earlier segments that the chain considers."""
 
@@ -84,7 +86,8 @@ def _outliers_of_track(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
 
 def _samples(t: Array, span: float) -> int:
     """Return how many samples a span of time has [s], rounded; 0 for a single one."""
-    return round(span / float(np.median(np.diff(t)))) if len(t) > 1 else 0
+    over = min(STEP_OVER, len(t) - 1)
+    return round(span * over / float(np.median(t[over:] - t[:-over]))) if over > 0 else 0
 
 
 def _on_chain(t: Array, pos: Array, limits: OutlierThresholds, teleport: int) -> Mask:
