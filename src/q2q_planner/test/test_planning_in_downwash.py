@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from section_4_1 import SECTION_4_1
 
+from q2q_model.downwash.interaction_model import Reach
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.level_set import level_set
 from q2q_model.downwash.no_interaction import NoInteraction
@@ -31,6 +32,10 @@ def references(plan: SwarmPlan) -> np.ndarray:
 def test_the_downwash_response_of_a_constant_push_is_the_static_error() -> None:
     class Push(NoInteraction):
         """Push every vehicle that has a neighbour by 0.1 m/s^2."""
+
+        @property
+        def reach(self) -> Reach:
+            return Reach(horizontal=2.0, vertical=1.0)
 
         def acceleration(self, rel_pos: np.ndarray, motion: object) -> np.ndarray:  # noqa: ARG002
             return np.full(rel_pos.shape, 0.1)

@@ -95,7 +95,7 @@ def test_what_is_wrong_is_said_in_one_line(
 def test_a_file_of_bytes_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bytes.yaml"
     path.write_bytes(bytes(range(256)))
-    with pytest.raises(ValueError, match=r"bytes\.yaml: is not valid YAML"):
+    with pytest.raises(ValueError, match=r"bytes\.yaml: cannot be read \(not UTF-8"):
         read_waypoints(path, LIMITS, "stop_and_go")
 
 
