@@ -50,7 +50,7 @@ class PhaseChanges:
         self._phases: Status = np.zeros(0, dtype=np.uint8)
         self._landing = np.zeros(0)  # commands that land each vehicle
         self._reported: set[PhaseChange] = set()
-        self._t = -np.inf  # stamp of the last command with a phase [s]
+        self._t = -np.inf  # newest stamp in a flight of a command with a phase [s]
         self._flights = 0  # begun by then
 
     @property
@@ -82,10 +82,11 @@ class PhaseChanges:
         """
         phases = _PHASE_OF[command.status]
         if phases.any():
-            if flights != self._flights or command.t - self._t > SETTLED_S:
+            began = flights != self._flights
+            if began or command.t - self._t > SETTLED_S:
                 self._names, self._phases = (), phases[:0]
                 self._reported.clear()
-            self._t, self._flights = command.t, flights
+            self._t, self._flights = command.t if began else max(self._t, command.t), flights
         before = rows_by_name(self._phases, self._names, command.names, FLOWN)
         self._count_landing(command.names, phases)
         self._names, self._phases = command.names, phases
