@@ -108,7 +108,7 @@ def test_a_topic_that_is_published_with_another_type_is_named_with_both(
         rclpy.shutdown(context=other)
         recorder.close()
     said = "/command is published as std_msgs/msg/String, not as q2q_msgs/msg/SwarmCommand"
-    assert f"bag_record: {said}: nothing of it is recorded\n" in (error := capfd.readouterr().err)
+    assert f"bag_record: {said}: it is not recorded\n" in (error := capfd.readouterr().err)
     assert "do their nodes run" not in error
 
 

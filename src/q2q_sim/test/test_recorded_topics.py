@@ -57,7 +57,7 @@ def test_a_topic_is_recorded_once() -> None:
 
 def test_a_topic_that_is_published_with_other_types_only_is_named_with_both() -> None:
     assert other_types_note("/state", POSE, ["std_msgs/msg/String", "std_msgs/msg/String"]) == (
-        f"/state is published as std_msgs/msg/String, not as {POSE}: nothing of it is recorded"
+        f"/state is published as std_msgs/msg/String, not as {POSE}: it is not recorded"
     )
     assert not other_types_note("/state", POSE, [])
     assert not other_types_note("/state", POSE, ["std_msgs/msg/String", POSE])

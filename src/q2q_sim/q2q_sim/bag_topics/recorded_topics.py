@@ -49,7 +49,7 @@ def other_types_note(topic: str, kind: str, published: Collection[str]) -> str:
     if not published or kind in published:
         return ""
     others = ", ".join(sorted(set(published)))
-    return f"{topic} is published as {others}, not as {kind}: nothing of it is recorded"
+    return f"{topic} is published as {others}, not as {kind}: it is not recorded"
 
 
 def silent_topics_note(asked: Collection[str], received: Collection[str]) -> str:

@@ -12,9 +12,10 @@
 | the recording ends before the flight | a bag that was not closed (recording_end.py) |
 | the flight ended early | the length that was to be flown, in the bag's metadata (recording_end.py) |
 
-Those of the three policies are judged by their limits alone (flight_outcomes.py). The other policies check
-guarantees of the stack (`policies BAG`), not the outcome of the flight. Times in words are those since the
-first tick of the recording. How vehicles and commands ended is said only of what reaches the recording's end.
+Findings of `separation`, `floor` and `setpoint_error` are judged by the limits alone (flight_outcomes.py).
+The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Times in
+words are those since the first tick of the recording. How vehicles and commands ended is said only of what
+reaches the recording's end.
 """
 
 from collections.abc import Iterator, Mapping

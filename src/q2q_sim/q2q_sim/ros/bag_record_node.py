@@ -123,7 +123,7 @@ class Recorder:
             self._take_latched[whole] = partial(take_anew, RECORD_LATCHED)
 
     def _look_at_silent(self) -> Mapping[str, str]:
-        """Take topics of which nothing has come as they are latched, for what was sent before; no values.
+        """Subscribe again, as latched, to silent topics whose publishers latch; return no values.
 
         Report those that are published with another type.
         Once a second: an event of the match would come at once, but to take one can block the process for

@@ -1,7 +1,7 @@
 """Steps of a reference from one piece to the next, and between its ends and the rest before and after.
 
 Thrust and tilt are those of the acceleration inside the pieces, and a step of the velocity is an acceleration
-that is in none of them. The acceleration and the yaw rate may step: bounds of them hold on both sides.
+outside all pieces. The acceleration and the yaw rate may step: bounds of them hold on both sides.
 """
 
 from typing import NamedTuple
