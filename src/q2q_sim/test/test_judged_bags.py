@@ -1,5 +1,6 @@
 """Bags are judged as their signals are, by the policies of which they have something."""
 
+import json
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from changed_flights import changed, received, with_row
 
-from q2q_model.bag import BagWriter
+from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.signals.values import (
     SwarmCommand,
     SwarmState,
@@ -17,9 +18,11 @@ from q2q_sim.commands import policies as tool
 from q2q_sim.monitors.policies import RecordedSignal
 
 
-def bag_of(recorded: Iterable[RecordedSignal], folder: Path, namespace: str = "/") -> None:
+def bag_of(
+    recorded: Iterable[RecordedSignal], folder: Path, namespace: str = "/", facts: FlightFacts | None = None
+) -> None:
     """Write a bag of what was recorded."""
-    with BagWriter(folder) as writer:
+    with BagWriter(folder, facts=facts) as writer:
         for one in recorded:
             writer.write_signal(f"{namespace}{one.topic}", round(one.at * 1e9), one.signal)
 
@@ -34,6 +37,21 @@ def test_a_bag_is_judged_as_its_signals_are(tmp_path: Path, capsys: pytest.Captu
     assert "tilt: cf3 at 3.00 s" in capsys.readouterr().out
     assert tool.main([str(tmp_path / "none")]) == 2
     assert "no bag at" in capsys.readouterr().err
+
+
+def test_a_bag_is_judged_by_the_faults_that_it_records_if_no_scenario_is_given(tmp_path: Path) -> None:
+    at = received()[0].signal
+    assert isinstance(at, SwarmState)
+    near = changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.10, 0.0])))
+    seen = [near(one) for one in received() if one.topic in ("mocap", "state", "reference_safe")]
+    displaced = json.dumps(
+        [{"kind": "jump", "start": 2.9, "duration": 1.0, "vehicles": ["cf1"], "size": 1.0}]
+    )
+    bag_of(seen, tmp_path / "sound")
+    bag_of(seen, tmp_path / "displaced", facts=FlightFacts(faults=displaced))
+    assert tool.main([str(tmp_path / "sound")]) == 1
+    assert tool.main([str(tmp_path / "displaced")]) == 0
+    assert tool.main([str(tmp_path / "displaced"), "--scenario", "stack3"]) == 1
 
 
 def test_a_bag_recorded_in_a_namespace_is_judged_and_one_without_a_clock_is_refused(

@@ -37,7 +37,7 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("policies", __doc__, EXAMPLE)
     made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
-    made.add_argument("--scenario", default="", help="scenario of the flight, for its faults")
+    made.add_argument("--scenario", default="", help="scenario, for its faults in place of the bag's")
     made.add_argument(
         "--vehicle", default="", help=f"vehicle, in place of the bag's: one of {', '.join(VEHICLES)}"
     )

@@ -14,6 +14,7 @@ from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.signals.values import TrackStatus
 from q2q_model.writable_places import STDOUT
 from q2q_sim.bag_topics.recorded_trace import trace_in
+from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.monitors.policies import (
     NEEDS,
     POLICIES,
@@ -88,9 +89,9 @@ def judge_bag(trace: FlightTrace, circumstances: Circumstances) -> JudgedBag:
 
 
 def circumstances_of_bag(bag: Path, scenario: str, vehicle: str) -> Circumstances:
-    """Return the circumstances of a flight, by a scenario if one is given; its vehicle is that of the bag.
+    """Return the circumstances of a flight: vehicle and faults are the bag's, faults a scenario's if given.
 
-    A bag that names none has the scenario's, or the default one, and a line on stderr says so.
+    A bag without a vehicle has the scenario's, or the default one, and a line on stderr says so.
 
     Raises:
         ValueError: an unknown name.
@@ -102,7 +103,7 @@ def circumstances_of_bag(bag: Path, scenario: str, vehicle: str) -> Circumstance
         known = FlownVehicle(flown.vehicle, f"{note}name it with --vehicle")
     if known.note:
         print(f"policies: {known.note}", file=sys.stderr)
-    return Circumstances(vehicle=known.vehicle, faults=() if flown is None else flown.faults)
+    return Circumstances(vehicle=known.vehicle, faults=flown_faults(bag) if flown is None else flown.faults)
 
 
 def as_json(found: Mapping[str, JudgedBag]) -> Json:
