@@ -55,6 +55,29 @@ def test_straight_up_and_down_euler_angles_are_of_the_same_attitude(pitch: float
     assert np.allclose(rot.matrix_from_quat(again), rot.matrix_from_quat(quat), atol=ROUNDING)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("quat", "euler"),
+    [
+        ([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, np.pi]),
+        ([1.0, 0.0, 0.0, 0.0], [np.pi, 0.0, 0.0]),
+        ([0.0, 1.0, 0.0, 0.0], [np.pi, 0.0, np.pi]),
+        ([0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    ],
+)
+def test_half_turns_are_positive_and_no_attitude_is_level(quat: list[float], euler: list[float], sign: float):
+    found = rot.euler_from_quat(sign * np.array(quat))
+    assert found.tolist() == euler
+    assert found[2] == rot.yaw_from_quat(sign * np.array(quat))
+
+
+def test_tiny_euler_angles_keep_their_digits():
+    euler = np.array([1e-12, 2e-12, 3e-12])
+    np.testing.assert_allclose(
+        rot.euler_from_quat(rot.quat_from_euler(*euler)), euler, rtol=ROUNDING, atol=0.0
+    )
+
+
 @given(seeds)
 def test_the_yaw_of_one_quaternion_is_that_of_many(seed: int):
     quat = _quats(np.random.default_rng(seed), ())

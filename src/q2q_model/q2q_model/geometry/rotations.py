@@ -84,16 +84,17 @@ def quat_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Array:
 def euler_from_quat(quat: Array) -> Array:
     """Return roll, pitch, yaw [rad], (..., 3), of `quat` (..., 4).
 
-    Roll and yaw lie in [-pi, pi), pitch in [-pi/2, pi/2]; at pitch = +-pi/2 only roll -+ yaw is defined. Of
-    (w - y, x + z) and (w + y, x - z) the lengths are cos(pitch/2) -+ sin(pitch/2), the angles half the sum
-    and half the difference of roll and yaw.
+    Roll and yaw lie in (-pi, pi], pitch in [-pi/2, pi/2]. At pitch = +-pi/2 only roll -+ yaw is defined;
+    roll is therefore that of the attitude without its yaw, which is (sin, cos)(roll/2) cos(pitch/2) in x, w.
+    The lengths of (w - y, x + z) and (w + y, x - z) are cos(pitch/2) -+ sin(pitch/2).
     """
     x, y, z, w = _parts(quat)
-    half_sum, half_difference = np.arctan2(x + z, w - y), np.arctan2(x - z, w + y)
-    pitch = 2.0 * np.arctan2(np.hypot(x - z, w + y), np.hypot(x + z, w - y)) - 0.5 * np.pi
-    turn = np.stack([half_sum + half_difference, half_sum - half_difference], axis=-1)
-    roll_yaw = np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
-    return np.stack([roll_yaw[..., 0], pitch, roll_yaw[..., 1]], axis=-1)
+    yaw = yaw_from_quat(quat)
+    cy, sy = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
+    sr, cr = cy * x + sy * y, cy * w + sy * z
+    roll = np.arctan2(2.0 * sr * cr + 0.0, cr * cr - sr * sr)  # + 0.0 makes -0 positive: pi, not -pi
+    pitch = np.arctan2(2.0 * (w * y - x * z), np.hypot(w - y, x + z) * np.hypot(w + y, x - z))
+    return np.stack([roll, pitch, yaw], axis=-1)
 
 
 def yaw_from_quat(quat: Array) -> Array:
