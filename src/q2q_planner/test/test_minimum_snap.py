@@ -142,6 +142,17 @@ def test_free_times_that_rounding_would_decide_are_refused_and_others_are_exact(
     assert cost_of((30.0, 0.1, 0.1, 30.0)) == pytest.approx(3521.00538541, rel=1e-10)
 
 
+@pytest.mark.parametrize("place", [1, 150, 298])
+def test_a_single_time_that_rounding_would_decide_is_found_among_hundreds(place: int) -> None:
+    """It gives the system a few tiny eigenvalues, whose eigenvectors have few entries that are not small."""
+    spans = np.full(300, 100.0)
+    spans[place] = 0.002
+    with pytest.raises(ValueError, match=r"from 0.002 to 100 s are too unequal for the reading free"):
+        cost_of(tuple(spans))
+    spans[place] = 1.0
+    assert cost_of(tuple(spans)) > 0.0
+
+
 def test_cost_is_the_sum_of_those_of_position_and_yaw() -> None:
     turning = VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 0), 0.0), Waypoint(2, (1, 0, 0), 1.0)))
     trajectory = minimum_snap(turning)

