@@ -1,6 +1,7 @@
 """Tests of the batch rule of section 2.2 against synthetic tracks and real flights."""
 
 import os
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,18 @@ def test_a_short_burst_is_found_and_nothing_else(seed: int, length: int, size: f
     expected = np.zeros_like(found)
     expected[start : start + length, 1] = True
     assert np.array_equal(found, expected)
+
+
+def test_a_minute_at_1_khz_takes_the_memory_of_a_few_copies_of_its_positions():
+    t = np.arange(60_000) / 1000.0
+    pos = np.stack([np.cos(t), np.sin(t), 1.0 + 0.0 * t], axis=-1)
+    pos[30_000:30_040, 2] += 0.08  # less than half of a window of 101 samples
+    tracemalloc.start()
+    found = find_outliers(t, pos)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert np.flatnonzero(found).tolist() == list(range(30_000, 30_040))
+    assert peak < 10 * pos.nbytes  # windows of 101 samples are 101 copies
 
 
 @given(st.integers(1, 100))

@@ -29,6 +29,7 @@ then.
 from math import prod
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP, OutlierThresholds
 from q2q_model.flights.interpolated_gaps import resample
@@ -139,10 +140,9 @@ def _off_median(t: Array, pos: Array, limits: OutlierThresholds, reach: int) -> 
     width = 2 * reach + 1
     if reach == 0 or len(t) < width:
         return np.zeros(len(t), dtype=bool)
-    windows = np.lib.stride_tricks.sliding_window_view(pos, width, axis=0)
-    centre = np.median(windows, axis=-1)
+    inner = slice(reach, len(t) - reach)
+    centre = np.stack([median_filter(axis, width)[inner] for axis in pos.T], axis=-1)
     dense = t[width - 1 :] - t[: 1 - width] <= 2.0 * (width - 1) * np.median(np.diff(t))  # not across a gap
     off = np.zeros(len(t), dtype=bool)
-    inner = slice(reach, len(t) - reach)
     off[inner] = dense & (np.linalg.norm(pos[inner] - centre, axis=-1) > limits.jump_max)
     return off
