@@ -126,6 +126,19 @@ def test_a_call_supersedes_a_single_act_and_its_outcome_is_that_of_the_call() ->
     assert piloted.begin_single(Act.ARM, "arm", 0.3) is not None  # not on the ground
 
 
+@pytest.mark.parametrize("outcome", [DONE, Reply(granted=False, reason="not stopped: cf1 is not connected")])
+def test_an_emergency_called_again_is_sent_again_and_has_one_outcome(outcome: Reply) -> None:
+    piloted, vehicles = flight()
+    assert piloted.call(Call.EMERGENCY, 0.0) is None
+    assert piloted.call(Call.EMERGENCY, 0.1) is None
+    assert vehicles.begun == [Act.EMERGENCY, Act.EMERGENCY]
+    assert piloted.replies() == []
+    vehicles.result = outcome
+    piloted.update(0.2)
+    ((request, reply),) = piloted.replies()
+    assert (request, reply.granted) == (Call.EMERGENCY, outcome.granted)
+
+
 def test_a_refused_call_leaves_a_single_act_under_way() -> None:
     piloted, vehicles = flight()
     piloted.begin_single(Act.ARM, "arm", 0.0)

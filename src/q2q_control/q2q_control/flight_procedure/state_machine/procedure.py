@@ -15,7 +15,8 @@
 | stopped | after `emergency` | all vehicles were locked or offline, then restarted |
 
 Nothing moves without a call. A refused call changes nothing. A granted call is answered when it is done, has
-failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `fly`, `emergency` all.
+failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `fly`, `emergency` all. An
+`emergency` that is called again is sent again, and one outcome answers both calls.
 `start` skips take-off and glide, for vehicles already at their setpoints. In flight, all vehicles land when
 setpoints jump or stay away, or with Crazyswarm2 when nothing is sent to a vehicle. From a hold, `land` first
 glides back to the plan's first points, where the next flight can begin (land_home); so it does from any step
@@ -64,7 +65,8 @@ class FlightProcedure:
         if refusal:
             self.state.log.append(f"{call.value} refused: {refusal}")
             return Reply(granted=False, reason=refusal)
-        self.state.answer(granted=False, reason=f"{call.value} took over")
+        if self.state.pending is not Call.EMERGENCY:  # only itself comes after it; one outcome answers both
+            self.state.answer(granted=False, reason=f"{call.value} took over")
         self.state.pending = call
         self._begin(call, observation, t)
         return None

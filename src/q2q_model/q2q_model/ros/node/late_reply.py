@@ -14,33 +14,34 @@ from q2q_model.node.reply import Reply
 
 
 class LateReplyService:
-    """Trigger service with deferred responses and at most one pending request."""
+    """Trigger service with deferred responses."""
 
     def __init__(self, node: Node, name: str, ask: Callable[[], Reply | None]) -> None:
         """Call `ask` for each request; if it returns None, `answer` sends the response later."""
         self._ask = ask
-        self._waiting: Trigger.Response | None = None
-        self._header: object = None
+        self._withheld: Trigger.Response | None = None
+        self._pending: list[tuple[Trigger.Response, object]] = []
         service = node.create_service(Trigger, name, self._take)
         self._send = service.send_response
         setattr(service, "send_response", self._hand_over)  # noqa: B010  a method of rclpy's is replaced
 
     def answer(self, reply: Reply) -> None:
-        """Send the response of the pending request."""
-        if self._waiting is not None:
-            response, self._waiting = _filled(self._waiting, reply), None
-            self._send(response, self._header)
+        """Send the response of all pending requests."""
+        pending, self._pending = self._pending, []
+        for response, header in pending:
+            self._send(_filled(response, reply), header)
 
     def _take(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         reply = self._ask()
         if reply is not None:
             return _filled(response, reply)
-        self._waiting = response
+        self._withheld = response
         return response
 
     def _hand_over(self, response: Trigger.Response, header: object) -> None:
-        if response is self._waiting:
-            self._header = header
+        if response is self._withheld:
+            self._withheld = None
+            self._pending.append((response, header))
         else:
             self._send(response, header)
 
