@@ -175,9 +175,14 @@ def test_without_a_model_nothing_pushes_and_the_status_says_so():
     assert (answer.status == InterferenceStatus.NO_MODEL).all()
 
 
-def test_an_empty_swarm_gets_an_empty_answer():
-    empty = InteractionPredictor(MEASURED_LAW).update(of_vehicles(state(0.0, STACK), np.zeros(0, np.intp)))
-    assert empty.acc.shape == (0, 3)
+@pytest.mark.parametrize("law", [PAPER_LAW, MEASURED_LAW, replace(MEASURED_LAW, absorption=1.5)])
+def test_an_empty_swarm_gets_empty_answers_until_vehicles_come(law: Jet) -> None:
+    predictor, nobody = InteractionPredictor(law), np.zeros(0, np.intp)
+    for k in range(3):
+        empty = predictor.update(of_vehicles(state(0.01 * k, STACK), nobody))
+        assert empty.acc.shape == (0, 3)
+    answer = predictor.update(state(0.03, STACK))
+    np.testing.assert_array_equal(answer.acc, InteractionPredictor(law).update(state(0.0, STACK)).acc)
 
 
 def test_variances_of_several_sources_add_up():

@@ -104,7 +104,7 @@ def find_pairs(states: Array, now: Array, past: Array, reach: tuple[float, float
         for k in range(3):
             pos[i, k] = states[i, k] if whole else math.nan
         body_z(states[i], now[i, 6:])
-    if past.shape[0] == 0:
+    if past.size == 0:  # no delay, or no vehicle
         return sweep(pos, reach[0], reach[1])
     far = np.zeros((pos.shape[0], 2))
     _write_moved(pos, past, far)
