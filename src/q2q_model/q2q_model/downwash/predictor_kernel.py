@@ -250,8 +250,11 @@ def _sum_jets(
             moving.vel[p, k] = now[feels[p], 3 + k]
     eta, deviation, ended = np.empty(shape), np.full(shape, np.nan), np.empty(feels.size, np.bool_)
     evaluate_pairs(moving, law_of_numbers(jet[0]), np.empty(feels.size), eta)
+    offset = np.empty(3)
     for p in range(feels.size):
-        ended[p] = is_beyond_reach(moving.rel_pos[p], now[causes[p], :3] - now[feels[p], :3], (aside, up))
+        for k in range(3):
+            offset[k] = now[causes[p], k] - now[feels[p], k]
+        ended[p] = is_beyond_reach(moving.rel_pos[p], offset, (aside, up))
         if known:
             deviation[p, 2] = floor + relative_std * abs(eta[p, 2])
     sum_over_sources(pairs, PairInteractions(eta, deviation, stale, ended), now, known=True, sums=sums)
