@@ -10,10 +10,11 @@ from resting_signals import resting_state
 
 from q2q_control.mpc.prediction.constant_velocity import FAR
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, Others, predict_downwash
-from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks, way_in_delay
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.geometry.pair_reach import SLACK
 from q2q_model.signals.values import Array
 
 STEP, STAGES, PAST = 0.05, 8, 80
@@ -105,3 +106,17 @@ def test_a_vehicle_that_appears_from_far_away_makes_no_pair():
     found = predict_downwash(MEASURED_LAW, tracks, RULE)
     assert found.i.size == 0
     assert not found.eta.any()
+
+
+def test_the_way_in_the_delay_is_that_of_the_fastest_steps_and_at_most_all_of_them() -> None:
+    vel = np.array([[0.3, 0.4, 0.2], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    tracks = straight(np.zeros((3, 3)), vel)
+    tracks.pos[PAST:, 1] += [0.03, 0.04, -0.02]  # measured anew, in one tick
+    tracks.pos[:PAST, 2] = FAR
+    far = np.full((len(TIMES), 1, 3), np.nan)
+    tracks = tracks._replace(pos=np.concatenate((tracks.pos, far), axis=1))
+    way = way_in_delay((*tracks,), 0.2, np.array([0.0, 0.0, 0.0, 1.0]))
+    expected = [[0.2 * 0.5, 0.2 * 0.2], [0.05, 0.02], [0.0, 0.0], [np.sqrt(6.0), 0.0]]
+    np.testing.assert_allclose(way, expected, atol=1.1 * SLACK)
+    assert (way >= expected).all()
+    np.testing.assert_allclose(way_in_delay((*tracks,), 0.0, np.zeros(4)), SLACK, rtol=1e-12)

@@ -88,7 +88,7 @@ def predict_downwash(
     """Return downwash and gradients along the horizon; with `others`, only what `own` vehicles feel."""
     n, absorption = len(tracks.axis), source_terms(model).absorption  # loading is in the tracks' weight
     spread = others.spread if others is not None else np.zeros(n)
-    way = way_in_delay(tracks, model.max_delay, spread)
+    way = way_in_delay((*tracks,), model.max_delay, spread)
     felt = others.own if others is not None and not absorption else n
     pairs = _pairs_to_check(model.reach, tracks, felt, way)
     jets = _jet_rule(model, rule) if isinstance(model, Jet) and not absorption else None

@@ -66,23 +66,29 @@ def bounding_boxes(path: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def way_in_delay(tracks: Tracks, max_delay: float, spread: Array) -> Array:
+def way_in_delay(swarm: PlainTracks, max_delay: float, spread: Array) -> Array:
     """Return how far each vehicle's air may have left from where it is at a stage [m], (n, 2): aside and up.
 
-    Its fastest steps over the longest delay [s], and the farthest point at which a mean over its `spread`
-    [m], (n,), is taken. A step to or from FAR is none: the air of a vehicle without state reaches nobody.
+    Its fastest steps over the longest delay [s], at most all its steps, and the farthest point at which a
+    mean over its `spread` [m], (n,), is taken. A step to or from FAR is none: the air of a vehicle without
+    state reaches nobody.
     """
-    times, pos = tracks.times, tracks.pos
-    way = np.empty((pos.shape[1], 2))
-    for v in range(pos.shape[1]):
-        aside, up = 0.0, 0.0
-        for k in range(1, times.size if max_delay > 0.0 else 0):
-            step, rise = times[k] - times[k - 1], abs(pos[k, v, 2] - pos[k - 1, v, 2])
-            if rise < 0.5 * FAR:
-                x, y = pos[k, v, 0] - pos[k - 1, v, 0], pos[k, v, 1] - pos[k - 1, v, 1]
-                aside, up = max(aside, math.sqrt(x * x + y * y) / step), max(up, rise / step)
-        way[v, 0] = aside * max_delay + math.sqrt(6.0) * spread[v] + SLACK
-        way[v, 1] = up * max_delay + SLACK
+    tracks = Tracks(*swarm)
+    times, pos, n = tracks.times, tracks.pos, tracks.pos.shape[1]
+    fastest, length, way = np.zeros((n, 2)), np.zeros((n, 2)), np.empty((n, 2))
+    for k in range(1, times.size if max_delay > 0.0 else 0):
+        share = max_delay / (times[k] - times[k - 1])
+        for v in range(n):
+            x, y = pos[k, v, 0] - pos[k - 1, v, 0], pos[k, v, 1] - pos[k - 1, v, 1]
+            aside, rise = math.sqrt(x * x + y * y), abs(pos[k, v, 2] - pos[k - 1, v, 2])
+            if rise < 0.5 * FAR and math.isfinite(aside):
+                fastest[v, 0] = max(fastest[v, 0], aside * share)
+                fastest[v, 1] = max(fastest[v, 1], rise * share)
+                length[v, 0] += aside
+                length[v, 1] += rise
+    for v in range(n):
+        way[v, 0] = min(fastest[v, 0], length[v, 0]) + math.sqrt(6.0) * spread[v] + SLACK
+        way[v, 1] = min(fastest[v, 1], length[v, 1]) + SLACK
     return way
 
 
