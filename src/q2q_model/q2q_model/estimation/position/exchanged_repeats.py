@@ -19,9 +19,10 @@ def with_exchanged_repeats(at: Prediction, measured: Array, seen: Mask) -> Predi
         measured: Positions [m], (n, 3); NaN where absent.
         seen: Tracks that have had a sample, (n,).
     """
-    waits = seen & ~at.own & ~at.lost
-    repeats = at.repeated & ~at.own & ~at.frozen
-    away = np.linalg.norm(measured[:, None] - at.state[None, :, 0], axis=2)
-    there = (away <= THAW_STEP) & waits & ~np.eye(len(measured), dtype=np.bool_)
-    exchanged = repeats & there.any(axis=1)
-    return at._replace(samples=np.where(exchanged[:, None], measured, at.samples))
+    waiting = np.flatnonzero(seen & ~at.own & ~at.lost)
+    rows = np.flatnonzero(at.repeated & ~at.own & ~at.frozen)
+    away = np.linalg.norm(measured[rows, None] - at.state[None, waiting, 0], axis=2)
+    there = (away <= THAW_STEP) & (rows[:, None] != waiting)
+    samples = at.samples.copy()
+    samples[rows] = np.where(there.any(axis=1)[:, None], measured[rows], samples[rows])
+    return at._replace(samples=samples)
