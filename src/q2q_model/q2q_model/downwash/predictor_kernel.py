@@ -17,7 +17,7 @@ from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_
 from q2q_model.downwash.state_history import states_at
 from q2q_model.downwash.sweep_and_prune import OrderedPairs, sweep
 from q2q_model.geometry.pair_reach import SLACK, is_beyond_reach
-from q2q_model.signals.values import Array, InterferenceStatus, Mask, Status, TrackStatus
+from q2q_model.signals.values import Array, InterferenceStatus, Mask, Rows, Status, TrackStatus
 
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
 _TRACKED, _STALE_SOURCE = int(TrackStatus.TRACKED), int(InterferenceStatus.STALE_SOURCE)
@@ -65,6 +65,19 @@ class PresentTick(NamedTuple):
 
 PlainTick = tuple[float, Array, Status]
 """Fields of a PresentTick."""
+
+
+class JetSources(NamedTuple):
+    """Sources of pairs, as they were when their air left them."""
+
+    states: Array
+    """pos, vel, body z, (k, 9)."""
+    rows: Rows
+    """Row of each pair's source in them, (p,)."""
+    stale: Mask
+    """(p,)."""
+
+
 PlainJet = tuple[Array, tuple[float, float, float, float]]
 """Numbers of a JetLaw, (12,); growth of the standard deviation with the downwash, and its floor [m/s^2], then
 the horizontal and the vertical reach [m]."""
@@ -184,10 +197,10 @@ def write_present(states: Array, track: Status, jet: PlainJet, sums: PlainSums) 
     now = np.empty((len(states), 9))
     pairs = find_pairs(states, now, np.empty((0, len(states), 9)), jet[1][2:])
     causes = pairs[1]
-    sources, stale = np.empty((causes.size, 9)), np.empty(causes.size, np.bool_)
+    stale = np.empty(causes.size, np.bool_)
     for p in range(causes.size):
-        sources[p], stale[p] = now[causes[p]], track[causes[p]] != _TRACKED
-    _sum_jets(pairs, now, (sources, stale), jet, InteractionSums(*sums))
+        stale[p] = track[causes[p]] != _TRACKED
+    _sum_jets(pairs, now, JetSources(now, causes, stale), jet, InteractionSums(*sums))
 
 
 @compiled
@@ -207,7 +220,8 @@ def write_retarded(
         sums: written.
     """
     tick = PresentTick(*present)
-    sources = _retarded(pairs, tick, past, law_of_numbers(jet[0]))
+    states, stale = _retarded(pairs, tick, past, law_of_numbers(jet[0]))
+    sources = JetSources(states, np.arange(stale.size), stale)
     _sum_jets(pairs, tick.now, sources, jet, InteractionSums(*sums))
 
 
@@ -237,17 +251,18 @@ def _retarded(
 
 @compiled
 def _sum_jets(
-    pairs: OrderedPairs, now: Array, sources: tuple[Array, Mask], jet: PlainJet, sums: InteractionSums
+    pairs: OrderedPairs, now: Array, sources: JetSources, jet: PlainJet, sums: InteractionSums
 ) -> None:
-    """Write the sums over the jets of `sources`: pos, vel, body z, (p, 9), and which are stale, (p,)."""
-    (feels, causes), (states, stale), (relative_std, floor, aside, up) = pairs, sources, jet[1]
+    """Write the sums over the jets of the sources."""
+    (feels, causes), (states, rows, stale), (relative_std, floor, aside, up) = pairs, sources, jet[1]
     shape, known = (feels.size, 3), relative_std + floor > 0.0
     moving = JetPairs(np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
     for p in range(feels.size):
+        i, j = feels[p], rows[p]
         for k in range(3):
-            moving.rel_pos[p, k] = states[p, k] - now[feels[p], k]
-            moving.source_vel[p, k], moving.source_axis[p, k] = states[p, 3 + k], states[p, 6 + k]
-            moving.vel[p, k] = now[feels[p], 3 + k]
+            moving.rel_pos[p, k] = states[j, k] - now[i, k]
+            moving.source_vel[p, k], moving.source_axis[p, k] = states[j, 3 + k], states[j, 6 + k]
+            moving.vel[p, k] = now[i, 3 + k]
     eta, deviation, ended = np.empty(shape), np.full(shape, np.nan), np.empty(feels.size, np.bool_)
     evaluate_pairs(moving, law_of_numbers(jet[0]), np.empty(feels.size), eta)
     offset = np.empty(3)
