@@ -143,8 +143,8 @@ class _EqualSwarms:
     def _near(self, model: InteractionModel, rows: _PairRows) -> Mask:
         """Return a search for pairs, (P * k,): within reach, allowing for the source's way in the delay."""
         wide, tall = model.reach.horizontal, model.reach.vertical
-        way = self._fastest[rows.flight, rows.source] if model.max_delay > 0.0 else 0.0
-        moved = model.max_delay * way + SLACK
+        speed = self._fastest[rows.flight, rows.source] if model.max_delay > 0.0 else 0.0
+        moved = model.max_delay * speed + SLACK
         return np.asarray((rows.across2 <= (wide + moved) ** 2) & (rows.apart <= tall + moved))
 
     def _thrust_ratio(self, model: InteractionModel, terms: SourceTerms) -> Array:
