@@ -1,6 +1,14 @@
-"""Counts with their nouns in sentences: "1 tick", "2 ticks"."""
+"""Counts in sentences: "1 tick", "2 ticks", "cf1, cf2, and 3 more"."""
+
+from collections.abc import Sequence
 
 
 def counted(count: int, noun: str) -> str:
     """Return a count and its noun, in the plural, which ends in s, unless the count is one."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def first_of(parts: Sequence[str], most: int) -> list[str]:
+    """Return the first `most` parts, and in words how many more there are."""
+    rest = [f"and {len(parts) - most} more"] if len(parts) > most else []
+    return [*parts[:most], *rest]

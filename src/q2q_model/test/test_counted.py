@@ -1,8 +1,8 @@
-"""A count has its noun in the plural unless it is one."""
+"""A count has its noun in the plural unless it is one; parts beyond the first are counted."""
 
 import pytest
 
-from q2q_model.counted import counted
+from q2q_model.counted import counted, first_of
 from q2q_model.diagnostics.health import Health, health_report
 
 
@@ -13,3 +13,10 @@ def test_one_alone_is_singular(count: int, words: str) -> None:
 
 def test_a_node_that_has_done_one_tick_says_so() -> None:
     assert health_report(Health(), Health(ticks=1)).summary == "1 tick"
+
+
+@pytest.mark.parametrize(
+    ("most", "parts"), [(3, ["a", "b", "c"]), (2, ["a", "b", "and 1 more"]), (0, ["and 3 more"])]
+)
+def test_parts_beyond_the_first_are_counted(most: int, parts: list[str]) -> None:
+    assert first_of(("a", "b", "c"), most) == parts

@@ -18,6 +18,7 @@ from cattrs import ClassValidationError, Converter, ForbiddenExtraKeysError, Ite
 from cattrs.cols import homogenous_tuple_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn, override
 
+from q2q_model.counted import first_of
 from q2q_model.documents.numpy_values import without_numpy
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Array
@@ -62,9 +63,7 @@ def _structured(kind: type[T], plain: object, *, extra: bool) -> T:
     try:
         return _converter(extra).structure(plain, kind)
     except (ClassValidationError, IterableValidationError, _UnexpectedError) as error:
-        mistakes = list(_mistakes(error, "", kind))
-        rest = [f"and {len(mistakes) - MOST} more"] if len(mistakes) > MOST else []
-        raise ValueError("; ".join([*mistakes[:MOST], *rest])) from error
+        raise ValueError("; ".join(first_of(list(_mistakes(error, "", kind)), MOST))) from error
 
 
 def _mistakes(error: Exception, path: str, kind: object) -> Iterator[str]:

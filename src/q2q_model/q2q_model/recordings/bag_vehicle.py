@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_model.bag import read_facts
+from q2q_model.counted import first_of
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_model.vehicle.thrust_map import STOCK
 
@@ -51,10 +52,10 @@ def common_vehicle(bags: Sequence[Path], override: str = "") -> FlownVehicle:
         raise ValueError(
             f"bags of different vehicles, {flown}: process them separately, or name one with --vehicle"
         )
-    unnamed = [bag for one, bag in zip(found, bags, strict=True) if one.note]
+    unnamed = [str(bag) for one, bag in zip(found, bags, strict=True) if one.note]
     vehicle = next((one.vehicle for one in found if not one.note), found[0].vehicle)
     if not unnamed:
         return FlownVehicle(vehicle)
-    which = f"{unnamed[0]}" + (f" and {len(unnamed) - 1} more" if len(unnamed) > 1 else "")
+    which = " ".join(first_of(unnamed, 1))
     note = f"no vehicle is named in {which}: {vehicle.name} is assumed; name it with --vehicle"
     return FlownVehicle(vehicle, note)

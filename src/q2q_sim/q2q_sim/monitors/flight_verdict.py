@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from q2q_model.counted import first_of
+
 MOST_SHOWN = 6
 """Failures, or quantities that were not judged, that a line shows."""
 
@@ -41,10 +43,8 @@ class FlightVerdict:
 
     def __str__(self) -> str:
         """Return what was found first, and how much more there is, in one line."""
-        parts = self._parts()
         kept = MOST_SHOWN + self.ok  # "ok" comes before what was not judged
-        rest = [f"and {len(parts) - kept} more"] if len(parts) > kept else []
-        return "; ".join([*parts[:kept], *rest])
+        return "; ".join(first_of(self._parts(), kept))
 
     def _parts(self) -> list[str]:
         if self.findings:

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from q2q_model.counted import first_of
+
 FIRST_S = 10.0
 """Wait after which the first note is due [s]: the nodes of a small flight start in less."""
 AGAIN_S = 30.0
@@ -22,5 +24,4 @@ class WaitingNote:
         if now < self._due:
             return ""
         self._due = now + AGAIN_S
-        rest = f"; and {len(waiting) - SHOWN} more" if len(waiting) > SHOWN else ""
-        return f"waiting for the nodes for {now - self._begun:.0f} s: {'; '.join(waiting[:SHOWN])}{rest}"
+        return f"waiting for the nodes for {now - self._begun:.0f} s: {'; '.join(first_of(waiting, SHOWN))}"

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
+from q2q_model.counted import first_of
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.signals.layout import Signal
@@ -62,8 +63,7 @@ def _warn_once(
 
 def _listed(names: Names) -> str:
     """Return the first names, and how many more there are."""
-    rest = (f"and {len(names) - MOST_NAMES} more",) if len(names) > MOST_NAMES else ()
-    return ", ".join((*names[:MOST_NAMES], *rest))
+    return ", ".join(first_of(names, MOST_NAMES))
 
 
 class AbsentNames:
