@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from itertools import count, islice
 from time import process_time
 
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.parallel_runs import freeze_imports
-from q2q_sim.experiments.campaign.random_run import Run, draw_run
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
+from q2q_sim.processes.parallel_work import freeze_imports
 from row import Row
 
 RUNS = {("pid", "none"): 40, ("pid", "safe"): 10, ("mpc", "none"): 10}

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.model_files.find_model import find_model
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.random_run import draw_run
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure
+from q2q_sim.campaigns.random_runs.random_run import draw_run
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.scenarios import library

@@ -2,9 +2,9 @@
 
 import pytest
 
-from q2q_sim.experiments.campaign import parallel_runs
-from q2q_sim.experiments.campaign.run_outcome import RunOutcome
+from q2q_sim.campaigns.random_runs.run_outcome import RunOutcome
 from q2q_sim.monitors.policies import Violation
+from q2q_sim.processes import parallel_work
 
 BROKEN = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
 
@@ -16,4 +16,4 @@ def ended(seed: int, *violations: Violation) -> RunOutcome:
 
 def run_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let campaigns work in this process, where a test has replaced what they fly by."""
-    monkeypatch.setattr(parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers))
+    monkeypatch.setattr(parallel_work, "_local", lambda work, numbers, *_: map(work, numbers))

@@ -9,12 +9,11 @@ from made_outcomes import BROKEN, ended, run_in_this_process
 
 from q2q_model.bag import BagReader
 from q2q_sim.bag_topics.recorded_trace import trace_in
-from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import campaign_flight, parallel_runs
-from q2q_sim.experiments.campaign.campaign_flight import JUDGED
-from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
-from q2q_sim.experiments.campaign.random_run import draw_run
-from q2q_sim.experiments.campaign.run_outcome import (
+from q2q_sim.campaigns.random_runs import campaign_flight, parallel_runs
+from q2q_sim.campaigns.random_runs.campaign_flight import JUDGED
+from q2q_sim.campaigns.random_runs.parallel_runs import run_outcomes
+from q2q_sim.campaigns.random_runs.random_run import draw_run
+from q2q_sim.campaigns.random_runs.run_outcome import (
     CRASH,
     DIED,
     MODE_AGREEMENT,
@@ -22,7 +21,8 @@ from q2q_sim.experiments.campaign.run_outcome import (
     from_document,
     summary,
 )
-from q2q_sim.experiments.campaign.through_nodes import mode_disagreement
+from q2q_sim.campaigns.random_runs.through_nodes import mode_disagreement
+from q2q_sim.commands import campaign
 from q2q_sim.monitors.policies import POLICIES, FlightTrace, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest
@@ -103,7 +103,7 @@ def test_an_air_that_cannot_be_flown_in_ends_a_campaign_before_its_first_run(
 
 
 def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("q2q_sim.experiments.campaign.parallel_runs.RECYCLE", 1)
+    monkeypatch.setattr("q2q_sim.processes.parallel_work.RECYCLE", 1)
     flown = list(run_outcomes("local", range(200, 203), 2, tmp_path))
     assert sorted(one.seed for one in flown) == [200, 201, 202]
     assert all(one.what and one.seconds > 0.0 for one in flown)

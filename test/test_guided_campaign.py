@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from made_outcomes import BROKEN, run_in_this_process
 
+from q2q_sim.campaigns.falsification import bug_score, guided_campaign, search_record
+from q2q_sim.campaigns.falsification.candidate_flight import CandidateFlight
+from q2q_sim.campaigns.falsification.counterexample import read_case
+from q2q_sim.campaigns.falsification.seeded_bugs import SEEDED_BUGS
+from q2q_sim.campaigns.random_runs import random_run
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import random_run
-from q2q_sim.experiments.falsification import bug_score, guided_campaign, search_record
-from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
-from q2q_sim.experiments.falsification.counterexample import read_case
-from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 
 
 def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(

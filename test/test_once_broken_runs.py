@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.experiments.campaign import campaign_flight
-from q2q_sim.experiments.campaign.random_run import draw_run
-from q2q_sim.experiments.campaign.through_nodes import NodeFlights
+from q2q_sim.campaigns.random_runs import campaign_flight
+from q2q_sim.campaigns.random_runs.random_run import draw_run
+from q2q_sim.campaigns.random_runs.through_nodes import NodeFlights
 
 ONCE_BROKEN = (
     15, 226, 237, 261, 298, 354, 363, 382, 450, 542, 552,

@@ -2,8 +2,8 @@
 
 import pytest
 
-from q2q_sim.experiments.campaign import random_run
-from q2q_sim.experiments.campaign.random_run import CALM_S, EXCERPTS, draw_run, excerpt_document
+from q2q_sim.campaigns.random_runs import random_run
+from q2q_sim.campaigns.random_runs.random_run import CALM_S, EXCERPTS, draw_run, excerpt_document
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 

@@ -35,7 +35,7 @@ from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
-from q2q_sim.experiments.campaign.run_outcome import RunOutcome
+from q2q_sim.campaigns.random_runs.run_outcome import RunOutcome
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.scenarios.scenario import Scenario

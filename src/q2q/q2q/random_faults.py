@@ -7,9 +7,9 @@ from pathlib import Path
 from q2q.argument_checks import check_whole_number, folder_to_write
 from q2q.scenario_choice import AirName, air_name
 from q2q_sim.air.air_names import check_air
-from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
-from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
-from q2q_sim.experiments.campaign.run_outcome import RunOutcome
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_and_judge
+from q2q_sim.campaigns.random_runs.parallel_runs import run_outcomes
+from q2q_sim.campaigns.random_runs.run_outcome import RunOutcome
 
 
 def campaign(

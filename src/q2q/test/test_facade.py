@@ -10,7 +10,7 @@ import q2q
 from q2q_model.model_files.model_file import encode
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.offline.certificate.certificate import certify
-from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_and_judge
 
 CROSSING = {
     "vehicles": {

@@ -4,12 +4,12 @@ from dataclasses import replace
 from math import inf
 from pathlib import Path
 
-from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.flown_trials import FlownTrial, fly_trials
-from q2q_sim.experiments.licence.licence_options import LicenceOptions
-from q2q_sim.experiments.licence.room.licence_log import LicenceLog
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams
-from q2q_sim.experiments.licence.room.trials import LicenceTrial
+from q2q_sim.licence.flight_order import FlightOrder, Program
+from q2q_sim.licence.licence_options import LicenceOptions
+from q2q_sim.licence.room.licence_log import LicenceLog
+from q2q_sim.licence.room.licence_room import LicenceParams
+from q2q_sim.licence.room.trials import LicenceTrial
+from q2q_sim.licence.trial_processes import FlownTrial, fly_trials
 
 ONE = LicenceParams(((0.0, 0.0, 0.0),))
 """Room with one vehicle in its middle."""

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_sim.experiments.licence.client_commands.client_command import Asked, ClientCommand, CommandKind
-from q2q_sim.experiments.licence.room.licence_log import LicenceLog, ProgramEnd
-from q2q_sim.experiments.licence.room.trials import LicenceTrial
-from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.firmware.supervisor.rules import State
+from q2q_sim.licence.client_commands.client_command import Asked, ClientCommand, CommandKind
+from q2q_sim.licence.room.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.licence.room.trials import LicenceTrial
+from q2q_sim.licence.rules.licence_limits import LicenceLimits
 
 LIMITS = LicenceLimits()
 TICKS = 1000

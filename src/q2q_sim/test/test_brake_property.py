@@ -13,11 +13,11 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, Interference, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.counterexample import with_faults
-from q2q_sim.experiments.falsification.postconditions.brake_property import FAST, SHARE, brake
-from q2q_sim.experiments.falsification.postconditions.hidden_motion import learned_push
-from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks
+from q2q_sim.campaigns.falsification.counterexample import with_faults
+from q2q_sim.campaigns.falsification.postconditions.brake_property import FAST, SHARE, brake
+from q2q_sim.campaigns.falsification.postconditions.hidden_motion import learned_push
+from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.faults.faults import Fault
 
 LAST, BLIND, END = 350, 400, 450

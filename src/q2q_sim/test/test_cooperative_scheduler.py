@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, always
+from q2q_sim.licence.program_process.cooperative_scheduler import CooperativeScheduler, always
 
 
 def start(scheduler: CooperativeScheduler, run: Callable[[], None]) -> threading.Thread:

@@ -9,30 +9,30 @@ import pytest
 
 from cflib_fleet import CflibFleet
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.client_commands.packet_command import client_command
-from q2q_sim.experiments.licence.client_commands.setpoint_text import setpoint_text
-from q2q_sim.experiments.licence.crazyflie_py import server_packets
-from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.controllers.columns import MOTOR
+from q2q_sim.firmware.parameters.uploads import Uploaded
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.client_commands.packet_command import client_command
+from q2q_sim.licence.client_commands.setpoint_text import setpoint_text
+from q2q_sim.licence.crazyflie_py import server_packets
+from q2q_sim.licence.crazyflie_py.ellipsoids import (
     check_ellipsoid_collisions,
     poisson_disk_sample,
 )
-from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import (
+from q2q_sim.licence.crazyflie_py.uav_trajectory import (
     GRAVITY,
     Polynomial4D,
     UavTrajectory,
 )
-from q2q_sim.experiments.licence.room.licence_room import (
+from q2q_sim.licence.room.licence_room import (
     LicenceParams,
     LicenceRoom,
     OpenLink,
     Sender,
     may_run_motors,
 )
-from q2q_sim.experiments.licence.room.trials import LicenceTrial
-from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.controllers.columns import MOTOR
-from q2q_sim.firmware.parameters.uploads import Uploaded
+from q2q_sim.licence.room.trials import LicenceTrial
 
 MM = 1e-3
 """Resolution of full states [m], [m/s], [m/s^2], [rad/s]."""

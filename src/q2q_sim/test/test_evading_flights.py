@@ -1,8 +1,8 @@
 """A vehicle that evades a lost one, and is not measured itself for a moment, evades from where it is then."""
 
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.random_run import draw_run
-from q2q_sim.experiments.falsification.counterexample import with_faults
+from q2q_sim.campaigns.falsification.counterexample import with_faults
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure
+from q2q_sim.campaigns.random_runs.random_run import draw_run
 from q2q_sim.faults.faults import Fault
 
 REPEATED = Fault("repeated", 3.8, 0.2, (), 0.0)

@@ -12,15 +12,15 @@ from q2q_model.signals.values import (
     TrackStatus,
 )
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.counterexample import with_faults
-from q2q_sim.experiments.falsification.postconditions.evasion_property import (
+from q2q_sim.campaigns.falsification.counterexample import with_faults
+from q2q_sim.campaigns.falsification.postconditions.evasion_property import (
     CLEAR,
     LEAST_ACC,
     NEAR,
     evasion,
 )
-from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks
+from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.faults.faults import Fault
 
 LOST, END = 350, 400

@@ -7,9 +7,9 @@ from flown_programs import ONE, flown, hop, written
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
-from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
-from q2q_sim.experiments.licence.room.licence_room import LicenceRoom
-from q2q_sim.experiments.licence.room.trials import LicenceTrial
+from q2q_sim.licence.program_process.simulator_errors import is_of_room
+from q2q_sim.licence.room.licence_room import LicenceRoom
+from q2q_sim.licence.room.trials import LicenceTrial
 from q2q_sim.loop.room import Room
 
 

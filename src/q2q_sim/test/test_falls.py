@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from licence_logs import LIMITS, command, fallen, hover
 
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.room.licence_log import ProgramEnd
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
-from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
 from q2q_sim.firmware.supervisor.rules import State
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.room.licence_log import ProgramEnd
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.rules.licence_rules import broken_rules
 
 
 def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_line() -> None:

@@ -7,25 +7,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification import guided_campaign
-from q2q_sim.experiments.falsification import guided_search as search
-from q2q_sim.experiments.falsification.candidate_flight import (
+from q2q_sim.campaigns.falsification import guided_campaign
+from q2q_sim.campaigns.falsification import guided_search as search
+from q2q_sim.campaigns.falsification.candidate_flight import (
     RECORD,
     CandidateFlight,
     fly_candidate,
 )
-from q2q_sim.experiments.falsification.coincidence import CoincidingFaults, critical_moments
-from q2q_sim.experiments.falsification.counterexample import (
+from q2q_sim.campaigns.falsification.coincidence import CoincidingFaults, critical_moments
+from q2q_sim.campaigns.falsification.counterexample import (
     case_of,
     read_case,
     shrink,
     with_faults,
     write_case,
 )
-from q2q_sim.experiments.falsification.fault_vector import DIMENSION, SLOTS, faults_of, vector_of
-from q2q_sim.experiments.falsification.guided_search import (
+from q2q_sim.campaigns.falsification.fault_vector import DIMENSION, SLOTS, faults_of, vector_of
+from q2q_sim.campaigns.falsification.guided_search import (
     GENERATION,
     RANDOM_RUNS,
     falling_policies,
@@ -33,7 +31,9 @@ from q2q_sim.experiments.falsification.guided_search import (
     guided_search,
     last_fault_start,
 )
-from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
+from q2q_sim.campaigns.falsification.seeded_bugs import SEEDED_BUGS
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
+from q2q_sim.commands import campaign
 from q2q_sim.faults.drawn_faults import LENGTHS, SIZES
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.monitors.policies import Violation

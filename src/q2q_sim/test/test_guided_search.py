@@ -10,11 +10,11 @@ import pytest
 from made_outcomes import run_in_this_process
 
 from q2q_model.signals.values import Array
+from q2q_sim.campaigns.falsification import search_record
+from q2q_sim.campaigns.falsification.candidate_flight import CandidateFlight
+from q2q_sim.campaigns.falsification.guided_search import LENGTH, guided_runs
+from q2q_sim.campaigns.random_runs.random_run import Run
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification import search_record
-from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
-from q2q_sim.experiments.falsification.guided_search import LENGTH, guided_runs
 
 
 def test_each_local_search_learns_from_the_margins_of_its_runs(

@@ -6,12 +6,12 @@ from xml.etree import ElementTree as ET
 
 from licence_logs import LIMITS, hover
 
-from q2q_sim.experiments.licence.flight_order import Program
-from q2q_sim.experiments.licence.flown_trials import FlownTrial
-from q2q_sim.experiments.licence.licence_flights import Licence
-from q2q_sim.experiments.licence.licence_reports import junit_xml
-from q2q_sim.experiments.licence.room.licence_log import ProgramEnd
-from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
+from q2q_sim.licence.flight_order import Program
+from q2q_sim.licence.licence_flights import Licence
+from q2q_sim.licence.licence_reports import junit_xml
+from q2q_sim.licence.room.licence_log import ProgramEnd
+from q2q_sim.licence.rules.licence_rules import broken_rules
+from q2q_sim.licence.trial_processes import FlownTrial
 
 
 def test_junit_xml_is_valid_whatever_characters_a_program_ends_with() -> None:

@@ -12,19 +12,19 @@ from flown_programs import HOP, LAND, flown, hop, log_of, order_of, written
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.air.air_names import AirError
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.flown_trials import fly_trials
-from q2q_sim.experiments.licence.licence_flights import Licence, licence
-from q2q_sim.experiments.licence.licence_options import LicenceOptions
-from q2q_sim.experiments.licence.licence_reports import (
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.licence_flights import Licence, licence
+from q2q_sim.licence.licence_options import LicenceOptions
+from q2q_sim.licence.licence_reports import (
     junit_xml,
     licence_json,
     report_text,
     verdict_text,
     write_licence_page,
 )
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
-from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.rules.licence_limits import LicenceLimits
+from q2q_sim.licence.trial_processes import fly_trials
 
 
 def test_a_sound_program_lands_and_flies_the_same_again(tmp_path: Path) -> None:

@@ -5,13 +5,13 @@ from pathlib import Path
 
 from licence_logs import LIMITS, UP, command, hover
 
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.flight_order import Program
-from q2q_sim.experiments.licence.flown_trials import FlownTrial
-from q2q_sim.experiments.licence.licence_flights import Licence
-from q2q_sim.experiments.licence.licence_reports import junit_xml, report_text
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
-from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.flight_order import Program
+from q2q_sim.licence.licence_flights import Licence
+from q2q_sim.licence.licence_reports import junit_xml, report_text
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.rules.licence_rules import broken_rules
+from q2q_sim.licence.trial_processes import FlownTrial
 
 
 def test_vehicles_collide_and_the_lower_one_of_a_stack_flies_in_downwash() -> None:

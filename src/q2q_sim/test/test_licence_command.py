@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.commands.licence import EXAMPLE, main
-from q2q_sim.experiments.licence import licence_program
+from q2q_sim.licence import licence_command
 
 
 @pytest.fixture
@@ -21,8 +21,8 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Namespace]:
         accepted.append(args)
         return 0
 
-    monkeypatch.setattr(licence_program, "judge_program", accept)
-    monkeypatch.setattr(licence_program, "score_programs", accept)
+    monkeypatch.setattr(licence_command, "judge_program", accept)
+    monkeypatch.setattr(licence_command, "score_programs", accept)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "test/licence_scripts").mkdir(parents=True)
     for name in ("my_flight.py", "pair.py", "swarm.py", "crazyflies.yaml"):

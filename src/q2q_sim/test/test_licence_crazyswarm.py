@@ -6,22 +6,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.crazyflie_py.modules import CONNECT_S
-from q2q_sim.experiments.licence.crazyflie_py.operator_input import PRESS_AFTER_S, PRESS_S
-from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import (
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.crazyflie_py.modules import CONNECT_S
+from q2q_sim.licence.crazyflie_py.operator_input import PRESS_AFTER_S, PRESS_S
+from q2q_sim.licence.crazyflie_py.served_vehicles import (
     STOCK_PARAMETERS,
     ServedVehicle,
     stock_vehicles,
     vehicles_from_file,
 )
-from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.flown_trials import FlownTrial, fly_trials
-from q2q_sim.experiments.licence.licence_options import LicenceOptions
-from q2q_sim.experiments.licence.program.link_host import scanned_uris
-from q2q_sim.experiments.licence.room.licence_log import LicenceLog
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams
-from q2q_sim.experiments.licence.room.trials import GAP_S, LicenceTrial, TrialKind
+from q2q_sim.licence.flight_order import FlightOrder, Program
+from q2q_sim.licence.licence_options import LicenceOptions
+from q2q_sim.licence.program_process.link_host import scanned_uris
+from q2q_sim.licence.room.licence_log import LicenceLog
+from q2q_sim.licence.room.licence_room import LicenceParams
+from q2q_sim.licence.room.trials import GAP_S, LicenceTrial, TrialKind
+from q2q_sim.licence.trial_processes import FlownTrial, fly_trials
 
 HEAD = """
 from crazyflie_py import Crazyswarm

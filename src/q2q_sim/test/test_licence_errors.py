@@ -8,21 +8,21 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.flown_trials import FlownTrial, fly_trials
-from q2q_sim.experiments.licence.licence_flights import Licence, licence
-from q2q_sim.experiments.licence.licence_options import LicenceOptions
-from q2q_sim.experiments.licence.licence_reports import (
+from q2q_sim.licence.flight_order import FlightOrder, Program
+from q2q_sim.licence.licence_flights import Licence, licence
+from q2q_sim.licence.licence_options import LicenceOptions
+from q2q_sim.licence.licence_reports import (
     junit_xml,
     licence_json,
     report_text,
     verdict_text,
     write_licence_page,
 )
-from q2q_sim.experiments.licence.licence_score import LicenceScore, ScoredProgram, licence_score_json
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
-from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
+from q2q_sim.licence.licence_score import LicenceScore, ScoredProgram, licence_score_json
+from q2q_sim.licence.room.licence_room import LicenceParams
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.rules.broken_rule import BrokenRule
+from q2q_sim.licence.trial_processes import FlownTrial, fly_trials
 
 WAITING = "import time\ntime.sleep(0.1)\n"
 FAILING_ROOM = """

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from licence_logs import LIMITS, command, hover
 
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.program.program_lines import IN_GET_VALUE
-from q2q_sim.experiments.licence.room.licence_log import ProgramEnd
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
-from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
 from q2q_sim.firmware.supervisor.rules import State
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.program_process.program_lines import IN_GET_VALUE
+from q2q_sim.licence.room.licence_log import ProgramEnd
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.rules.licence_rules import broken_rules
 
 
 def test_a_sound_flight_breaks_no_rule() -> None:

@@ -7,8 +7,8 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.commands.licence import main
-from q2q_sim.experiments.licence import licence_program
-from q2q_sim.experiments.licence.licence_score import LicenceScore, ScoredProgram
+from q2q_sim.licence import licence_command
+from q2q_sim.licence.licence_score import LicenceScore, ScoredProgram
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     def passes(one: ScoredProgram, _: int, __: int) -> LicenceScore:
         return LicenceScore(one, True, f"room {one.settings.room[0]:g} m", 1, 0.0)  # noqa: FBT003
 
-    monkeypatch.setattr(licence_program, "score_program", passes)
+    monkeypatch.setattr(licence_command, "score_program", passes)
     return tmp_path
 
 

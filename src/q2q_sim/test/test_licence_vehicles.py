@@ -8,12 +8,12 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.commands.licence import main
-from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
-from q2q_sim.experiments.licence.flown_trials import fly_trials
-from q2q_sim.experiments.licence.licence_flights import licence
-from q2q_sim.experiments.licence.licence_options import LicenceOptions
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.flight_order import FlightOrder, Program
+from q2q_sim.licence.licence_flights import licence
+from q2q_sim.licence.licence_options import LicenceOptions
+from q2q_sim.licence.room.licence_room import LicenceParams
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.trial_processes import fly_trials
 
 ONE_BY_ONE = """
 import time

@@ -7,12 +7,12 @@ from flown_programs import LAND, flown, hop, log_of, written
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams
-from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
+from q2q_sim.licence.room.licence_room import LicenceParams
+from q2q_sim.licence.room.trials import LicenceTrial, TrialKind
 
 SLOW_TICKS = """
 import time
-from q2q_sim.experiments.licence.room.licence_room import LicenceRoom
+from q2q_sim.licence.room.licence_room import LicenceRoom
 fly, within = LicenceRoom.fly, []
 
 def slow(room):
@@ -41,8 +41,8 @@ def test_the_tick_after_a_program_is_not_interrupted_by_looks_at_it(tmp_path: Pa
 
 WARM_UP = """
 from q2q_model.compiled import KERNELS
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom
-from q2q_sim.experiments.licence.room.trials import LicenceTrial
+from q2q_sim.licence.room.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.licence.room.trials import LicenceTrial
 
 def called():
     return {(one.name, kind) for one in KERNELS for kind in getattr(one.made, "overloads", ())}

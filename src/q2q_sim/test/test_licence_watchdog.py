@@ -8,8 +8,8 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 
 from flown_programs import flown, log_of, written
 
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.flown_trials import FlownTrial
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.trial_processes import FlownTrial
 
 FED = """
 import time

@@ -7,14 +7,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.licence.crazyflie_py.message_fields import (
+from q2q_sim.licence.crazyflie_py.message_fields import (
     coefficients,
     real,
     seconds,
     three,
     whole,
 )
-from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import Polynomial
+from q2q_sim.licence.crazyflie_py.uav_trajectory import Polynomial
 
 
 def test_fields_of_messages_refuse_what_ros_would_garble():

@@ -2,8 +2,8 @@
 
 import pytest
 
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.random_run import Run, draw_run, fault_document
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run, fault_document
 from q2q_sim.faults.faults import Fault
 
 

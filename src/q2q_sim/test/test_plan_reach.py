@@ -10,13 +10,13 @@ from cflib_fleet import CflibFleet
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.ports import memory
-from q2q_sim.experiments.licence.client_commands.packet_command import client_command
-from q2q_sim.experiments.licence.client_commands.plan_extent import plan_extent
-from q2q_sim.experiments.licence.client_commands.plan_reach import beyond_reach, reach_violation
-from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import PlanState
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at_rest, piece_between
+from q2q_sim.licence.client_commands.packet_command import client_command
+from q2q_sim.licence.client_commands.plan_extent import plan_extent
+from q2q_sim.licence.client_commands.plan_reach import beyond_reach, reach_violation
+from q2q_sim.licence.crazyflie_py import server_packets
 
 FULL = CRAZYFLIE_2_0.thrust_max / CRAZYFLIE_2_0.mass
 """Full thrust over the mass [m/s^2]."""

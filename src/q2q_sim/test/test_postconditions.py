@@ -9,18 +9,18 @@ import pytest
 
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SetpointStatus
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight, fly_candidate
-from q2q_sim.experiments.falsification.counterexample import with_faults
-from q2q_sim.experiments.falsification.postconditions.filter_properties import swap_moved_track
-from q2q_sim.experiments.falsification.postconditions.replanner_properties import (
+from q2q_sim.campaigns.falsification.candidate_flight import CandidateFlight, fly_candidate
+from q2q_sim.campaigns.falsification.counterexample import with_faults
+from q2q_sim.campaigns.falsification.postconditions.filter_properties import swap_moved_track
+from q2q_sim.campaigns.falsification.postconditions.replanner_properties import (
     acc_held_too_long,
     promise,
     stop_enters_zone,
 )
-from q2q_sim.experiments.falsification.postconditions.run_ticks import run_ticks
-from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
+from q2q_sim.campaigns.falsification.postconditions.run_ticks import run_ticks
+from q2q_sim.campaigns.falsification.seeded_bugs import SEEDED_BUGS
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import safe_replanner_params
 

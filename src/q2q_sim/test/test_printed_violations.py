@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from q2q_sim.campaigns.random_runs import resumable_campaign
+from q2q_sim.campaigns.random_runs.run_outcome import CRASH, RunOutcome
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import resumable_campaign
-from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.monitors.policies import Violation
 
 

@@ -3,7 +3,7 @@
 import pytest
 from cflib.crazyflie import Crazyflie
 
-from q2q_sim.experiments.licence.program.program_lines import error_in
+from q2q_sim.licence.program_process.program_lines import error_in
 
 
 @pytest.mark.parametrize(("name", "said"), [

@@ -9,9 +9,9 @@ import yaml
 
 from q2q_model.bag import FlightFacts, read_flight
 from q2q_sim.bag_topics.scenario_facts import flown_scenario, scenario_facts
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure, keep_run
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.commands.explain import main
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure, keep_run
-from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.explanation import recorded_case as cases
 from q2q_sim.experiments.explanation.recorded_case import recorded_case
 from q2q_sim.loop.flight_blocks import BlockChoices

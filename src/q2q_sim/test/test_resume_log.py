@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 from made_outcomes import run_in_this_process
 
+from q2q_sim.campaigns.falsification import search_record
+from q2q_sim.campaigns.falsification.candidate_flight import CandidateFlight
+from q2q_sim.campaigns.random_runs import parallel_runs
+from q2q_sim.campaigns.random_runs.run_outcome import RunOutcome
 from q2q_sim.commands import ablation, campaign, robustness
 from q2q_sim.experiments.ablation import fill_ablation
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, read_numbers
-from q2q_sim.experiments.campaign import parallel_runs
-from q2q_sim.experiments.campaign.run_outcome import RunOutcome
-from q2q_sim.experiments.falsification import search_record
-from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
-from q2q_sim.experiments.resume_log import read_entries
 from q2q_sim.experiments.robustness import fill_robustness
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
+from q2q_sim.processes.resume_log import read_entries
 
 
 def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(

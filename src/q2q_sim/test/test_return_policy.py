@@ -10,8 +10,8 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.experiments.campaign import campaign_flight
-from q2q_sim.experiments.campaign.random_run import GAINS, draw_run
+from q2q_sim.campaigns.random_runs import campaign_flight
+from q2q_sim.campaigns.random_runs.random_run import GAINS, draw_run
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import (
     judge,

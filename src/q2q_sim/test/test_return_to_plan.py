@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.random_run import Run, draw_run, fault_document
+from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure
+from q2q_sim.campaigns.random_runs.random_run import Run, draw_run, fault_document
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.inputs.limits import Limits
 

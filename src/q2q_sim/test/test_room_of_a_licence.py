@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from licence_logs import LIMITS, command, hover
 
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
-from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
+from q2q_sim.licence.client_commands.client_command import CommandKind
+from q2q_sim.licence.rules.licence_rules import broken_rules
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from q2q_model.signals.layout import Signal
-from q2q_sim.experiments.campaign import campaign_flight
-from q2q_sim.experiments.campaign.random_run import draw_run
-from q2q_sim.experiments.campaign.violation_replay import write_replay
+from q2q_sim.campaigns.random_runs import campaign_flight
+from q2q_sim.campaigns.random_runs.random_run import draw_run
+from q2q_sim.campaigns.random_runs.violation_replay import write_replay
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop import closed_loop
 from q2q_sim.monitors.policies import Violation

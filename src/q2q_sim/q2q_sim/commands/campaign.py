@@ -52,11 +52,11 @@ def _prepare(args: Namespace) -> Work:
     if args.air:
         check_air(args.air)
     if args.case or args.guided:
-        from q2q_sim.experiments.falsification.guided_campaign import refly_case
-        from q2q_sim.experiments.falsification.guided_campaign import run as run_guided
+        from q2q_sim.campaigns.falsification.guided_campaign import refly_case
+        from q2q_sim.campaigns.falsification.guided_campaign import run as run_guided
 
         return refly_case if args.case else run_guided
-    from q2q_sim.experiments.campaign.resumable_campaign import run
+    from q2q_sim.campaigns.random_runs.resumable_campaign import run
 
     return run
 

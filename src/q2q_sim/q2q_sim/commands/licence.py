@@ -73,7 +73,7 @@ def _prepare(after_dashes: list[str], args: Namespace) -> Work:
     require_existing("file", args.crazyflies)
     require_existing("program", args.script)
     require_existing("folder", args.score)
-    from q2q_sim.experiments.licence.licence_program import judge_program, score_programs
+    from q2q_sim.licence.licence_command import judge_program, score_programs
 
     return judge_program if args.script else score_programs
 

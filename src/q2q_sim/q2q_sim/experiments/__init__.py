@@ -1,1 +1,1 @@
-"""Experiments: campaigns, the ablation, the paper's tables and figures."""
+"""Experiments: the ablation, the paper's tables and figures, and other studies of flights."""

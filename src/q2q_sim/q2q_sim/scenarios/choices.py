@@ -36,6 +36,6 @@ TOPICS = (
 DISTRIBUTED_TOPIC = "predictions"
 """Topic that a bag may hold of a distributed flight only (q2q_model.signals.topic_names)."""
 ENGINES = ("local", "dask")
-"""Engines that run a campaign in parallel (q2q_sim.experiments.campaign.parallel_runs)."""
+"""Engines that run a campaign in parallel (q2q_sim.processes.parallel_work)."""
 TABLE_ONLY = "--table-only"
 """Option of the ablation that only writes the table."""

@@ -19,7 +19,7 @@ from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.learned_models import models_of
 from q2q_sim.experiments.ablation.variant_flight import VariantFlight, fly_variant
 from q2q_sim.experiments.ablation.variants import NAMES
-from q2q_sim.experiments.resume_log import exclusive_file
+from q2q_sim.processes.resume_log import exclusive_file
 from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.scenarios.choices import TABLE_ONLY
 

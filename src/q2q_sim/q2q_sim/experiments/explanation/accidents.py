@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.signals.values import Names
-from q2q_sim.experiments.campaign.random_run import GAINS, ROOMS
+from q2q_sim.campaigns.random_runs.random_run import GAINS, ROOMS
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.experiments.explanation.loss import largest_loss
 from q2q_sim.faults.faults import Fault

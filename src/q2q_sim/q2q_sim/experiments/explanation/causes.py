@@ -22,7 +22,7 @@ from q2q_sim.air.air_terms import VehicleTerm
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
-from q2q_sim.experiments.campaign.random_run import GAINS
+from q2q_sim.campaigns.random_runs.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.sensors.vicon_params import ViconParams

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain, to_plain
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord, PromiseCase
-from q2q_sim.experiments.resume_log import exclusive_log, read_entries
+from q2q_sim.processes.resume_log import exclusive_log, read_entries
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,6 @@ from rich.progress import track
 
 from q2q_model.documents.json_file import Json, write_json
 from q2q_model.documents.plain_values import to_plain
-from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 from q2q_sim.experiments.promise.kept_flights import resume_flights
 from q2q_sim.experiments.promise.promise_verdict import (
     largest_errors,
@@ -33,6 +32,7 @@ from q2q_sim.experiments.promise.tracking_tube import (
     read_tube,
 )
 from q2q_sim.experiments.promise.tube_report import different_conditions, reused_seeds, tube_lines
+from q2q_sim.processes.parallel_work import Workers, spread_work
 
 
 def run(args: Namespace) -> int:
@@ -85,7 +85,7 @@ def _flown(seeds: Sequence[int], case: PromiseCase, args: Namespace) -> list[Enc
 
 
 def _spread(seeds: Sequence[int], case: PromiseCase, jobs: int) -> Iterator[EncounterRecord]:
-    return spread_work(ParallelRuns("local", jobs), partial(_fly, case=case), seeds, _died)
+    return spread_work(Workers("local", jobs), partial(_fly, case=case), seeds, _died)
 
 
 def _fly(seed: int, case: PromiseCase) -> EncounterRecord:

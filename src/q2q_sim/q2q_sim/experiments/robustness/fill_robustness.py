@@ -12,10 +12,10 @@ from rich.progress import track
 
 from q2q_model.documents.json_file import with_nulls
 from q2q_model.documents.written_file import write_text
-from q2q_sim.experiments.resume_log import exclusive_file
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
 from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
+from q2q_sim.processes.resume_log import exclusive_file
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 CONTROLLERS = ("mpc", "pid")

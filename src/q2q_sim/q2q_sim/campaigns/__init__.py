@@ -1,0 +1,1 @@
+"""Campaigns: many simulated flights with random or guided faults, judged by policies."""

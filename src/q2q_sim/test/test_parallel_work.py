@@ -1,0 +1,58 @@
+"""Parallel work loses nothing by a process that dies, and ends with whoever asked for it."""
+
+import gc
+import multiprocessing
+import os
+import time
+from collections.abc import Generator
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from q2q_sim.processes import parallel_work
+from q2q_sim.processes.parallel_work import Workers, spread_work
+
+TWO = Workers("local", 2)
+DEADLY = """
+import os
+import signal
+
+def work(number):
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+"""
+"""Work that kills its process on number 3."""
+
+
+def test_after_an_interruption_no_process_works_on() -> None:
+    """Ctrl-C closes the generator; a pool that is not waited for may do all that is left."""
+    results = spread_work(TWO, time.sleep, [0] * 100, print)
+    assert isinstance(results, Generator)
+    next(results)
+    results.close()
+    assert multiprocessing.active_children() == []
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_only_work_that_kills_its_process_alone_counts_as_died(
+    jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "deadly_work.py").write_text(DEADLY)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(parallel_work, "freeze_imports", gc.freeze)  # without the imports of a campaign
+    work = import_module("deadly_work").work
+    done = spread_work(Workers("local", jobs), work, range(6), lambda number: -number)
+    assert sorted(done) == [-3, 0, 1, 2, 4, 5]
+
+
+def test_an_error_of_work_is_raised_as_it_is_by_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parallel_work, "freeze_imports", gc.freeze)
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        list(spread_work(TWO, os.close, [9999], lambda _: pytest.fail("counted as died")))
+
+
+def test_an_unknown_engine_is_refused() -> None:
+    with pytest.raises(ValueError, match="unknown engine 'ray': choose one of local, dask"):
+        spread_work(Workers("ray", 1), abs, [1], abs)
