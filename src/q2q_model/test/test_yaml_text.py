@@ -6,6 +6,10 @@ import pytest
 
 from q2q_model.documents.yaml_text import load_yaml, parse_yaml
 
+NINE_TO_THE_NINTH = "- &a0 [x]\n" + "".join(
+    f"- &a{i} [{','.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 10)
+)
+
 
 def test_a_text_becomes_plain_values_with_anchors_and_merges() -> None:
     text = "base: &b {x: 1, y: [a, null]}\nmade: {<<: *b, x: 2.5}\n"
@@ -27,6 +31,11 @@ def test_a_text_becomes_plain_values_with_anchors_and_merges() -> None:
         ("? {a: 1}\n: 2", "is not valid YAML: line 1: found unhashable key"),
         ("a: \x00", "is not valid YAML: "),
         ("[" * 5000, "is nested too deeply"),
+        (
+            NINE_TO_THE_NINTH,
+            "is not valid YAML: line 1: more than 1000000 values: write fewer, or fewer aliases",
+        ),
+        ("a: &a [*a]", "is not valid YAML: line 1: more than 1000000 values"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(text: str, said: str) -> None:
@@ -50,7 +59,9 @@ def test_the_file_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("text", "value"), [
     ("1e-3", 1e-3), ("-2E+6", -2e6), ("1.e3", 1e3), ("1.0e-3", 1e-3), ("3", 3),
-    ("e3", "e3"), ("1e", "1e"), ("1e3x", "1e3x"),
+    ("e3", "e3"), ("1e", "1e"), ("1e3x", "1e3x"), ("0x1f", 31), ("-0", 0), ("+2", 2),
+    (".5", 0.5), ("-1.", -1.0), ("08.5", 8.5), ("-.inf", float("-inf")),
+    ("010", "010"), ("1:30", "1:30"), ("1:30.5", "1:30.5"), ("1_0", "1_0"),
 ])  # fmt: skip
-def test_numbers_with_an_exponent_are_numbers_with_or_without_a_point(text: str, value: object) -> None:
+def test_numbers_are_those_of_yaml_1_2(text: str, value: object) -> None:
     assert parse_yaml(f"a: {text}") == {"a": value}

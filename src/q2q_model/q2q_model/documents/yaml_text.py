@@ -1,15 +1,19 @@
 """YAML documents as plain values; an error is one line with the place in the file.
 
 A duplicate key, of which YAML would silently keep the last, is an error. 1e-3 is a number, as in YAML 1.2; in
-YAML 1.1, which PyYAML reads, it is text.
+YAML 1.1, which PyYAML reads, it is text, 010 is 8 and 1:30 is 90. Here 010 and 1:30 are text.
 """
 
 import re
+from itertools import chain
 from pathlib import Path
 
 import yaml
 
 from q2q_model.documents.read_text import read_text
+
+MOST_VALUES = 1_000_000
+"""Most values of a document, those of aliases counted at each use: 1000 vehicles of 100 waypoints."""
 
 
 def load_yaml(path: Path) -> object:
@@ -42,7 +46,15 @@ def _one_line(problem: object) -> str:
 
 
 class _Loader(yaml.SafeLoader):
-    """Loader of plain values that refuses duplicate keys."""
+    """Loader of plain values that refuses duplicate keys, and aliases that stand for endless values."""
+
+    def get_single_node(self) -> yaml.Node | None:
+        """Return the document's node; raise ComposerError if it has more than MOST_VALUES values."""
+        node = super().get_single_node()
+        if node is not None and _values(node, {}) > MOST_VALUES:
+            problem = f"more than {MOST_VALUES} values: write fewer, or fewer aliases"
+            raise yaml.composer.ComposerError(problem=problem, problem_mark=node.start_mark)
+        return node
 
     def compose_mapping_node(self, anchor: str | None) -> yaml.MappingNode:  # type: ignore[override]  # as PyYAML
         """Return the next mapping; raise ComposerError for a duplicate key."""
@@ -57,6 +69,32 @@ class _Loader(yaml.SafeLoader):
         return node
 
 
+def _values(node: yaml.Node, counted: dict[int, int]) -> int:
+    """Return how many values a node stands for; `counted` are those of nodes by their identity.
+
+    An alias of a node around it counts without end.
+    """
+    if isinstance(node, yaml.ScalarNode):
+        return 1
+    if id(node) not in counted:
+        counted[id(node)] = MOST_VALUES + 1
+        inner = chain.from_iterable(node.value) if isinstance(node, yaml.MappingNode) else node.value
+        counted[id(node)] = 1 + sum(_values(one, counted) for one in inner)
+    return counted[id(node)]
+
+
+_INT, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
+
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if tag not in {_INT, _FLOAT}]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver(_INT, re.compile(r"[-+]?(0|[1-9][0-9]*|0x[0-9a-fA-F]+)$"), [*"-+0123456789"])
 _Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+$"), [*"-+0123456789"]
+    _FLOAT,
+    re.compile(
+        r"[-+]?(\.[0-9]+|[0-9]+\.[0-9]*)([eE][-+]?[0-9]+)?$|[-+]?[0-9]+[eE][-+]?[0-9]+$"
+        r"|[-+]?\.(inf|Inf|INF)$|\.(nan|NaN|NAN)$"
+    ),
+    [*"-+.0123456789"],
 )
