@@ -66,6 +66,7 @@ def test_what_is_no_plan_is_refused(tmp_path: Path) -> None:
         "text_in.json": whole.replace("1.0, 1.0, 1.0", '"1.0", 1.0, 1.0', 1),
         "unnamed.json": whole.replace('"name": "cf1"', '"name": ""'),
         "path.json": whole.replace('"name": "cf1"', '"name": "../x y"'),
+        "order.json": encode(SwarmPlan(("cf1",), (Trajectory(np.array([1.0]), np.ones((1, 4, 33))),))),
         "empty.json": json.dumps({**document, "vehicles": []}),
         "deep.json": "[" * 100_000,
     }

@@ -29,6 +29,9 @@ VERSION = 1
 LARGEST = 1e30
 """Largest coefficient: above 1e4 m over the 7th power of the shortest piece, 1 ms."""
 
+MOST_COEFFICIENTS = 32
+"""Most coefficients of a polynomial, whose roots a proof finds; minimum snap has 8."""
+
 REMEDY = "write one with `ros2 run q2q_planner plan`"
 
 
@@ -161,9 +164,9 @@ def _vehicle(row: object, index: int) -> tuple[str, Trajectory]:
     check_vehicle_name(name)
     durations = _array(entry.get("durations"), f"{name}: durations")
     coefficients = _array(entry.get("coefficients"), f"{name}: coefficients")
-    if coefficients.ndim != 3 or coefficients.shape[2] == 0:
+    if coefficients.ndim != 3 or not 1 <= coefficients.shape[2] <= MOST_COEFFICIENTS:
         shape = f"{name}: coefficients have shape {coefficients.shape}"
-        raise ValueError(f"{shape}, expected (pieces, {AXES}, order)")
+        raise ValueError(f"{shape}, expected (pieces, {AXES}, 1 to {MOST_COEFFICIENTS})")
     if not (np.abs(coefficients) <= LARGEST).all() or not (durations <= LARGEST).all():
         raise ValueError(f"{name}: durations and coefficients must be numbers of at most {LARGEST:g}")
     try:
