@@ -264,6 +264,11 @@ def test_overrides_of_an_unknown_block_are_refused_in_a_scenario_as_in_its_docum
         replace(library.load("table6"), overrides={"pidd": {"k_p_z": 1.0}})
 
 
+def test_an_override_too_large_for_a_float_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"pid\.k_p_z = 1000+\.\.\.0+: a finite number is expected"):
+        scenario_from_document("mine", GOOD | {"overrides": {"pid": {"k_p_z": 10**400}}})
+
+
 @pytest.mark.parametrize(("given", "read"), [(None, ""), ("", ""), ("one line", "one line"), (12, "12")])
 def test_a_description_that_is_left_empty_is_empty(given: object, read: str) -> None:
     assert scenario_from_document("mine", GOOD | {"description": given}).description == read

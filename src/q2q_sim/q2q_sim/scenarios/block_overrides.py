@@ -1,5 +1,6 @@
 """Parameters of the blocks of a flight, with the values that a scenario gives in place of the defaults."""
 
+import reprlib
 from collections.abc import Mapping
 from typing import TypeVar
 
@@ -82,4 +83,7 @@ def _number(value: object, where: str) -> float:
     value = without_numpy(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError as error:  # an integer beyond 1e308
+        raise ValueError(f"{where} = {reprlib.repr(value)}: a finite number is expected") from error
