@@ -4,8 +4,8 @@
     stop       SIGSTOP; come back: SIGCONT
     hang       the threads of the middleware stand still, those of the node run; come back: they go on
 
-In lockstep the simulator waits for its tick with the given time-outs (q2q_sim.loop.resend_timer), so that a
-node which returns in time costs no tick; in live flight nothing waits.
+In lockstep the simulator waits for its tick with the given time-outs (q2q_sim.simulator.resend_timer), so that
+a node which returns in time costs no tick; in live flight nothing waits.
 """
 
 import os
@@ -17,11 +17,11 @@ from typing import Literal
 
 from frozen_threads import FrozenThreads
 
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.processes.processes import NodeSpec, Processes
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 MIDDLEWARE = "dds."
 """Names of Fast DDS's threads begin so: receivers, events, asynchronous writer."""

@@ -10,7 +10,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from room_node import RoomNode
 
-from q2q_control.mpc.prediction.neighbours import PredictedPaths
+from q2q_control.mpc.neighbours.exchanged_paths import PredictedPaths
 from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_control.ros.prediction_message import encode_prediction
 from q2q_model.diagnostics.health import Health

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rclpy.node import Node
 
-from q2q_control.mpc.prediction.time_slots import RATE_HZ
+from q2q_control.mpc.neighbours.time_slots import RATE_HZ
 from q2q_model.bag import BagReader, read_facts
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.flights.flight import Flight
@@ -28,7 +28,6 @@ from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, LoopSettings, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.loop.distributed import DistributedMpc
-from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.node_flights import flight_nodes, scenario_flight
 from q2q_sim.node_flights.flight_request import FlightRequest, facts_of, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun
@@ -37,6 +36,7 @@ from q2q_sim.node_flights.scenario_flight import fly
 from q2q_sim.processes.flight_progress import STILL_S
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
 from q2q_sim.scenarios import library
+from q2q_sim.simulator.simulator_params import SimulatorParams
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 

@@ -3,7 +3,7 @@
 import numpy as np
 from resting_signals import resting_state
 
-from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
+from q2q_control.mpc.neighbours.awaited_predictions import AwaitedPredictions
 from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import SwarmState, TrackStatus
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from resting_signals import resting_state
 
-from q2q_control.mpc.prediction.constant_velocity import FAR
+from q2q_control.mpc.neighbours.constant_velocity import FAR
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, Others, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks, way_in_delay
 from q2q_model.downwash.interaction_model import InteractionModel

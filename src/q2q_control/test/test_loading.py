@@ -6,7 +6,7 @@ import numpy as np
 from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.inputs.alignment import align
-from q2q_control.mpc.prediction.constant_velocity import at_constant_velocity
+from q2q_control.mpc.neighbours.constant_velocity import at_constant_velocity
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks

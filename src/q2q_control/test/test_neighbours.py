@@ -7,10 +7,8 @@ import pytest
 from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours, at_constant_velocity
-from q2q_control.mpc.prediction.downwash_horizon import GradientRule, Others, predict_downwash
-from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
-from q2q_control.mpc.prediction.neighbours import (
+from q2q_control.mpc.neighbours.constant_velocity import FAR, Neighbours, at_constant_velocity
+from q2q_control.mpc.neighbours.exchanged_paths import (
     LATE_FADE,
     MOST_POSITIONS,
     SILENT,
@@ -23,6 +21,8 @@ from q2q_control.mpc.prediction.neighbours import (
     known_neighbours,
     positions_at,
 )
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule, Others, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.signals.cdr.cdr_head import MOST_VEHICLES

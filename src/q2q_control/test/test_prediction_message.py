@@ -5,7 +5,7 @@ from array import array
 import numpy as np
 import pytest
 
-from q2q_control.mpc.prediction.neighbours import PredictedPaths
+from q2q_control.mpc.neighbours.exchanged_paths import PredictedPaths
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
 
 

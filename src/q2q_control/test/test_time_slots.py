@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from resting_signals import resting_state
 
-from q2q_control.mpc.prediction.time_slots import BroadcastSchedule, slot_start
+from q2q_control.mpc.neighbours.time_slots import BroadcastSchedule, slot_start
 from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Names, SwarmState
 

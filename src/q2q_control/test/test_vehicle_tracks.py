@@ -4,7 +4,7 @@ import numpy as np
 from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.inputs.alignment import align
-from q2q_control.mpc.prediction.constant_velocity import at_constant_velocity
+from q2q_control.mpc.neighbours.constant_velocity import at_constant_velocity
 from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
 from q2q_model.signals.values import Array, Names
 

@@ -15,8 +15,8 @@ from q2q_model.identification.gains.altitude_record import in_clear_air
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import CLEAR, with_added_acc
 from q2q_model.identification.identification import ProcedureParams, identify
-from q2q_model.identification.push.jet_fit import fit_to_altitudes
-from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.jet.jet_fit import fit_to_altitudes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.recorded_altitudes import FEED_FORWARD, recorded_altitudes
 from q2q_model.identification.selection.cross_validation import score_on
 from q2q_model.identification.selection.identification_data import IdentificationData

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
+from q2q_model.identification.jet.held_out_flights import held_out_scores
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.along_flight import Motion, eta_along, eta_on_vehicle
-from q2q_model.identification.push.held_out_flights import held_out_scores
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushRecord, PushSamples, push_samples
 
 STRONG = replace(MEASURED_LAW, strength=1.5 * MEASURED_LAW.strength)

@@ -22,6 +22,8 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification import identification as identification_module
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.identification.jet.jet_fit import fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
 from q2q_model.identification.networks.fit import (
     NetworkFitParams,
@@ -36,8 +38,6 @@ from q2q_model.identification.networks.trajectory_loss import (
     trajectory_loss,
 )
 from q2q_model.identification.push.along_flight import eta_along
-from q2q_model.identification.push.jet_fit import fit_to_altitudes, fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.selection.candidate import Candidate
 from q2q_model.identification.selection.identification_data import IdentificationData

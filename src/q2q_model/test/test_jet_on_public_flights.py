@@ -6,10 +6,10 @@ import numpy as np
 from public_flights import OFF, ON, needs_flights, real_samples
 
 from q2q_model.downwash.jet import Jet
+from q2q_model.identification.jet.held_out_deviation import with_held_out_deviation
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.along_flight import eta_along, eta_on_vehicle
-from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import (
     PushSamples,
     pooled_score,

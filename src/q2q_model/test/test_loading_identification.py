@@ -5,8 +5,8 @@ import pytest
 from scipy.signal import lfilter
 
 from q2q_model.downwash.jet import Jet
+from q2q_model.identification.jet.loading import MOST, loading_of, usable_loading
 from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.push.loading import MOST, loading_of, usable_loading
 from q2q_model.identification.push.push_samples import PushRecord, PushSamples, push_samples
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.signals.values import Array

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import Jet
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushRecord, push_samples
 
 TICK = 0.01

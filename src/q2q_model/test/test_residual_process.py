@@ -13,10 +13,10 @@ from q2q_model.downwash.correction.measured_push import LONGEST_STEP, MeasuredPu
 from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.identification.jet.jet_deviation import deviation_of
+from q2q_model.identification.jet.residual_fit import fit_residual
 from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.push.jet_deviation import deviation_of
 from q2q_model.identification.push.push_samples import PushRecord, PushSamples, push_samples
-from q2q_model.identification.push.residual_fit import fit_residual
 from q2q_model.model_files.model_file import ModelFile, decode, encode
 from q2q_model.signals.values import (
     Array,

@@ -7,9 +7,9 @@ import pytest
 from public_flights import OFF, needs_flights, real_samples
 
 from q2q_model.downwash.jet import Jet
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.along_flight import eta_on_vehicle
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import (
     PushSamples,
 )

@@ -10,6 +10,8 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm, free_names
 from q2q_model.identification.push.along_flight import (
     FlownRows,
     Motion,
@@ -17,8 +19,6 @@ from q2q_model.identification.push.along_flight import (
     eta_along,
     eta_on_vehicle,
 )
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm, free_names
 from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY

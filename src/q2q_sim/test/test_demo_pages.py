@@ -9,14 +9,13 @@ import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.flights.copies.same_flight import flight_digest
+from q2q_model.identification.jet.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_model.identification.push.along_flight import Motion
-from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_model.identification.push.push_samples import PushSamples, PushScore
 from q2q_model.model_files.find_model import find_model
 from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics, measure
@@ -25,6 +24,7 @@ from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.run_table import run_notes
 from q2q_sim.scenarios import library
+from q2q_sim.simulator.flight_clock import FlightTiming
 from q2q_sim.tools.demo import real_flight
 from q2q_sim.tools.demo.demo_flights import key_numbers, passage_times, write_demo_page
 from q2q_sim.tools.demo.real_flight_page import median_flight, write_real_page

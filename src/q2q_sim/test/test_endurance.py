@@ -19,8 +19,8 @@ from q2q_sim.experiments.endurance.endurance_report import (
 )
 from q2q_sim.experiments.endurance.growth import HOUR, Growth, WatchedQuantity, growth
 from q2q_sim.experiments.endurance.long_flight import LongFlight, Sample, scenario_of_pairs
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.usage import ProcessUsage, usage_of
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 T = np.linspace(0.0, HOUR, 4000)
 MEMORY = WatchedQuantity("memory", "MB", 20.0)

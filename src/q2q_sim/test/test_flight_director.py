@@ -17,9 +17,9 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from q2q_model.ros.topics.qos import LATCHED
-from q2q_sim.loop.flight_clock import FlightTiming, timing_as_text
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.flight_director import FlightDirector
+from q2q_sim.simulator.flight_clock import FlightTiming, timing_as_text
 
 TIMEOUT_S = 30.0
 """Longest wait for an answer [s]."""

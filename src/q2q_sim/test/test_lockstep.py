@@ -8,8 +8,8 @@ from resting_signals import level_command
 
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.command_gate import CommandGate
-from q2q_sim.loop.flight_clock import FlightClock
-from q2q_sim.loop.resend_timer import ResendTimer
+from q2q_sim.simulator.flight_clock import FlightClock
+from q2q_sim.simulator.resend_timer import ResendTimer
 
 
 def command(names: tuple[str, ...], thrust: float) -> SwarmCommand:

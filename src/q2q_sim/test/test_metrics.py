@@ -10,7 +10,6 @@ import pytest
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight, of_rows
 from q2q_model.geometry.zone import Cylinder
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.exposure import exposed, exposure
@@ -20,6 +19,7 @@ from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.report.bag_tables import TRACKING
 from q2q_sim.report.run_table import HEAD as TERMINAL_HEAD
 from q2q_sim.scenarios import library
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 T = np.arange(1000) * 0.01
 SCENARIO = library.load("table6")

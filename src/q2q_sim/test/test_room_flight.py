@@ -9,10 +9,10 @@ from resting_signals import level_command
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import TICK_NS
 from q2q_model.signals.values import MocapFrame, SwarmCommand
-from q2q_sim.loop.flight_output import NOTHING, Output
 from q2q_sim.loop.room import Room
-from q2q_sim.loop.room_flight import RoomFlight
-from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
+from q2q_sim.simulator.flight_output import NOTHING, Output
+from q2q_sim.simulator.room_flight import RoomFlight
+from q2q_sim.simulator.simulator_params import SimulatorParams, chosen_scenario
 
 PARAMS = SimulatorParams(resend_period_s=1.0, command_timeout_s=3.0)
 SCENARIO = chosen_scenario(PARAMS)

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 
 from q2q_model.plain_console import plain_console
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 TABLE6 = FlightRequest("table6")
 SHORT = ("cf1", "cf2")

@@ -21,7 +21,6 @@ from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.scenario_air import air_of
-from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.node_flights.scenario_node_parameters import (
     controller_node_parameters,
     filter_node_parameters,
@@ -31,6 +30,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.block_overrides import BLOCKS
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
+from q2q_sim.simulator.simulator_params import SimulatorParams, chosen_scenario
 
 GOOD = {
     "description": "two vehicles",

@@ -12,12 +12,12 @@ from q2q_model.signals.layout import Signal
 from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.commands import replay_page
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.node_flights.scenario_flight import MEASURED, recorded_run
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.scenarios import library
+from q2q_sim.simulator.flight_clock import FlightTiming
 from q2q_sim.tools.fly_scenario import print_verdict
 from q2q_sim.tools.report_bags import report_bag, verdicts
 

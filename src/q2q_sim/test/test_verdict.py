@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import MOST_SHOWN, Finding, FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 MET = tuple(Finding(0.1 * each, f"cf{each} and cf{each + 1} collided") for each in range(190))
 FIRST = "; ".join(one.words for one in MET[:MOST_SHOWN])

@@ -32,17 +32,17 @@ from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, with_correction_bandwidth
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
-from q2q_control.mpc.prediction.constant_velocity import Neighbours, at_constant_velocity
-from q2q_control.mpc.prediction.downwash_horizon import GradientRule
-from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
-from q2q_control.mpc.prediction.initial_state import InitialState, InitialStateEstimator
-from q2q_control.mpc.prediction.neighbours import (
+from q2q_control.mpc.neighbours.constant_velocity import Neighbours, at_constant_velocity
+from q2q_control.mpc.neighbours.exchanged_paths import (
     PredictedPaths,
     ReceivedPredictions,
     blend,
     known_neighbours,
     usable_prediction,
 )
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule
+from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
+from q2q_control.mpc.prediction.initial_state import InitialState, InitialStateEstimator
 from q2q_control.mpc.problem.axis_model import axis_models
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds

@@ -16,7 +16,7 @@ from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
 from q2q_control.mpc.bounds_warm_up import at_bounds
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.prediction.time_slots import RATE_HZ
+from q2q_control.mpc.neighbours.time_slots import RATE_HZ
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.time_budget import TimeBudget
 from q2q_control.ros.accelerometers import receive_accelerometers

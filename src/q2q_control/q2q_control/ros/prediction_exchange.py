@@ -8,10 +8,10 @@ from q2q_msgs.msg import Prediction as PredictionMessage
 from rclpy.node import Node
 
 from q2q_control.mpc.mpc import Mpc
-from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
-from q2q_control.mpc.prediction.neighbours import SILENT
-from q2q_control.mpc.prediction.own_predictions import OwnPredictions
-from q2q_control.mpc.prediction.time_slots import BroadcastSchedule
+from q2q_control.mpc.neighbours.awaited_predictions import AwaitedPredictions
+from q2q_control.mpc.neighbours.exchanged_paths import SILENT
+from q2q_control.mpc.neighbours.own_predictions import OwnPredictions
+from q2q_control.mpc.neighbours.time_slots import BroadcastSchedule
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
 from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.node.tick_wiring import TickWiring

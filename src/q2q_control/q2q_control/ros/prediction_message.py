@@ -5,7 +5,7 @@ from array import array
 import numpy as np
 from q2q_msgs.msg import Prediction as PredictionMessage
 
-from q2q_control.mpc.prediction.neighbours import PredictedPaths
+from q2q_control.mpc.neighbours.exchanged_paths import PredictedPaths
 from q2q_model.ros.topics.messages import header_at, stamp_of
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 

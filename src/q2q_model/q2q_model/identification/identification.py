@@ -16,12 +16,12 @@ from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gain_notes import unstable_reason
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
-from q2q_model.identification.push.loading import loading_of
+from q2q_model.identification.jet.loading import loading_of
+from q2q_model.identification.jet.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.log_check import log_notes
 from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
-from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.identification.recorded_altitudes import recorded_altitudes
 from q2q_model.identification.recorded_gains import predicting_loop, recorded_gains

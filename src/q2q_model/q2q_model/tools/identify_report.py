@@ -8,7 +8,7 @@ from q2q_model.documents.plain_values import Plain
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.deviation import DeviationParams
 from q2q_model.identification.identification import Identification
-from q2q_model.identification.push.loading import usable_loading
+from q2q_model.identification.jet.loading import usable_loading
 from q2q_model.identification.selection.identification_data import every_record
 from q2q_model.identification.selection.model_choice import Trial
 from q2q_model.identification.statistics.intervals import Interval

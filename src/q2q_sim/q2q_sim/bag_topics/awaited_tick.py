@@ -7,7 +7,7 @@ from q2q_model.nearest_name import name_hint
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_sim.bag_topics.tick_messages import BagTick
 from q2q_sim.bag_topics.topics import TYPE_NAMES
-from q2q_sim.loop.resend_timer import ResendTimer
+from q2q_sim.simulator.resend_timer import ResendTimer
 
 TICK_TOPIC = "mocap"
 """Topic whose messages are the ticks in lockstep."""

@@ -14,8 +14,8 @@ from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.prediction.neighbours import PredictedPaths
-from q2q_control.mpc.prediction.time_slots import RATE_HZ, BroadcastSchedule
+from q2q_control.mpc.neighbours.exchanged_paths import PredictedPaths
+from q2q_control.mpc.neighbours.time_slots import RATE_HZ, BroadcastSchedule
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan

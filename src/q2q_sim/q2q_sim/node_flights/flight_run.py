@@ -6,10 +6,10 @@ from pathlib import Path
 
 from q2q_model.documents.json_file import Json
 from q2q_model.flights.flight import Flight
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 
 @dataclass(frozen=True, slots=True)

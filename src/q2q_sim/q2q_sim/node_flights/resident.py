@@ -15,10 +15,10 @@ from typing import Self
 
 import yaml
 
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec, parameter_sections
 from q2q_sim.processes.worker_pool import worker_pool
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 RECYCLE = 50
 """Flights after which the process is replaced."""

@@ -5,7 +5,6 @@ from pathlib import Path
 from time import monotonic
 
 from q2q_model.signals.stamps import TICK_S
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import with_finding
 from q2q_sim.monitors.metrics.flight_metrics import measure
@@ -17,6 +16,7 @@ from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.node_flights.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.node_flights.waiting_note import WaitingNote
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 MEASURED = ("mocap", "truth", "truth_interference", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""

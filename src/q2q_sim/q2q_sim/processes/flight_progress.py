@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from q2q_model.signals.stamps import TICK_NS, BadStampError, stamp_from_parts
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
-from q2q_sim.loop.flight_clock import FlightTiming, timing_from_text
+from q2q_sim.simulator.flight_clock import FlightTiming, timing_from_text
 
 STILL_S = 60.0
 """Time without a tick after which a flight has failed [s]."""

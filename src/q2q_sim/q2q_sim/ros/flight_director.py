@@ -27,8 +27,8 @@ from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.topic_names import PLAYBACK_OVER
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.flight_progress import SUMMARY, FlightProgress, timing_of_summary
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 POLL_S = 0.05
 """Period of graph queries [s]."""

@@ -16,9 +16,9 @@ from rclpy.node import Node
 from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.node.run import start_ros
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.ros import stack
 from q2q_sim.ros.flight_director import START_S, FlightDirector
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 SIMULATOR = "simulator"
 

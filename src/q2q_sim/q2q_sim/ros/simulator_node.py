@@ -37,11 +37,11 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.link.conflicting_commands import conflict_note
-from q2q_sim.loop.flight_clock import timing_as_text
-from q2q_sim.loop.flight_output import OUTPUTS, Output
-from q2q_sim.loop.room_flight import RoomFlight, warm_up_room
-from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.ros.ready_nodes import ReadyNodes
+from q2q_sim.simulator.flight_clock import timing_as_text
+from q2q_sim.simulator.flight_output import OUTPUTS, Output
+from q2q_sim.simulator.room_flight import RoomFlight, warm_up_room
+from q2q_sim.simulator.simulator_params import SimulatorParams, chosen_scenario
 
 if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint

@@ -19,10 +19,10 @@ from q2q_model.ros.node.run import run_together
 from q2q_model.signals.local_bus import LocalBus
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.ros import replanner_node, trajectory_node
-from q2q_sim.loop.flight_output import OUTPUTS
 from q2q_sim.processes.parameter_sections import misspelt_sections
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator
+from q2q_sim.simulator.flight_output import OUTPUTS
 
 CONTROL_LOOP: Mapping[str, Callable[[Node], object]] = {
     "mocap_filter": mocap_filter_node.build,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.prediction.constant_velocity import FAR
+from q2q_control.mpc.neighbours.constant_velocity import FAR
 from q2q_control.mpc.problem.horizon import DownwashHorizon
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.sweep_and_prune import OrderedPairs

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
-from q2q_control.mpc.prediction.constant_velocity import Neighbours
+from q2q_control.mpc.neighbours.constant_velocity import Neighbours
 from q2q_control.mpc.prediction.downwash_horizon import (
     GradientRule,
     Others,

@@ -2,8 +2,8 @@
 
 A controlled vehicle follows its last solution, or flies on at its velocity if it has no attitude or setpoint.
 A vehicle of another controller follows the prediction that its MPC has sent
-(q2q_control.mpc.prediction.neighbours), else it is extrapolated
-(q2q_control.mpc.prediction.constant_velocity). The weight of a controlled vehicle's downwash decays once it
+(q2q_control.mpc.neighbours.exchanged_paths), else it is extrapolated
+(q2q_control.mpc.neighbours.constant_velocity). The weight of a controlled vehicle's downwash decays once it
 is no longer seen: it is still there, but its position is uncertain. The past reaches back as far as the
 longest downwash delay.
 """
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
-from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours
+from q2q_control.mpc.neighbours.constant_velocity import FAR, Neighbours
 from q2q_control.mpc.prediction.downwash_horizon_kernel import PlainTracks, Tracks
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, Rows, index_of

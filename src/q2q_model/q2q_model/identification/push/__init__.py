@@ -1,1 +1,1 @@
-"""Vertical push of the downwash measured in flight, and the jet fitted to it."""
+"""Vertical push of the downwash measured in flight, and the checks of its sensors and logs."""

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
-from q2q_model.identification.push.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes, may_be_stacked
-from q2q_model.identification.push.jet_form import JetForm, free_names
+from q2q_model.identification.jet.held_out_deviation import with_held_out_deviation
+from q2q_model.identification.jet.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes, may_be_stacked
+from q2q_model.identification.jet.jet_form import JetForm, free_names
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.cross_validation import Fitter
 from q2q_model.identification.selection.identification_data import IdentificationData, every_record

@@ -8,8 +8,8 @@ import numpy as np
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification.gains.command_gains import GainFit
+from q2q_model.identification.jet.jet_form import FREE_PARAMETERS
 from q2q_model.identification.push.along_flight import eta_along, motion_along
-from q2q_model.identification.push.jet_form import FREE_PARAMETERS
 from q2q_model.identification.selection.cross_validation import Score
 from q2q_model.identification.selection.identification_data import (
     IdentificationData,

@@ -1,7 +1,7 @@
 """Models of the ablation, learned from recorded flights of one family.
 
 Each model is a jet of the simplest moving form, fitted to the measured pushes of one flight or of one part of
-it (q2q_model.identification.push.jet_fit), with LEAST samples or more under another vehicle. Of a family,
+it (q2q_model.identification.jet.jet_fit), with LEAST samples or more under another vehicle. Of a family,
 MOST models are learned, each from a flight; a family with fewer flights is cut into parts of equal numbers of
 samples, of which the second of a flight comes after the first of all others. No two share a sample, so that
 the spread between them is that of models learned from different flights. One more model is learned from all
@@ -19,11 +19,11 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
+from q2q_model.identification.jet.residual_fit import fit_residual
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
-from q2q_model.identification.push.residual_fit import fit_residual
 from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.air.air_names import FLIGHTS, flights_folder

@@ -12,12 +12,12 @@ import yaml
 
 from q2q_model.documents.written_file import write_text
 from q2q_model.signals.stamps import TICK_S
-from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.processes.usage import ProcessUsage, usage_of
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 PASS_S = 10.0
 """Time from one side of the lower vehicle to the other [s]."""

@@ -7,7 +7,7 @@ from statistics import median_low
 from matplotlib.figure import Figure
 
 from q2q_model.documents.written_file import write_text
-from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
+from q2q_model.identification.jet.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.html_page import Grid, Heading, KeyNumber, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import save

@@ -12,7 +12,7 @@ import numpy as np
 from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.prediction.neighbours import ReceivedPath, accelerations_along, positions_at
+from q2q_control.mpc.neighbours.exchanged_paths import ReceivedPath, accelerations_along, positions_at
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS

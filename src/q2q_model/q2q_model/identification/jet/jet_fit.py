@@ -19,15 +19,15 @@ from scipy.optimize import least_squares
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
-from q2q_model.identification.push.along_flight import FlownRows, VehicleTicks, motion_along
-from q2q_model.identification.push.jet_deviation import affine_deviation, pushes_and_errors
-from q2q_model.identification.push.jet_form import (
+from q2q_model.identification.jet.jet_deviation import affine_deviation, pushes_and_errors
+from q2q_model.identification.jet.jet_form import (
     FREE_PARAMETERS,
     JetForm,
     free_names,
     jet_of_values,
     values_of_jet,
 )
+from q2q_model.identification.push.along_flight import FlownRows, VehicleTicks, motion_along
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.statistics.intervals import (
     EstimatingRows,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from q2q_control.mpc.prediction.time_slots import slot_start
+from q2q_control.mpc.neighbours.time_slots import slot_start
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
 
 

@@ -20,8 +20,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.identification.jet.jet_fit import BLOCK
 from q2q_model.identification.push.along_flight import Motion, eta_on_vehicle
-from q2q_model.identification.push.jet_fit import BLOCK
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.statistics.intervals import (
     Interval,

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import TICK_TOPICS
-from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.simulator.flight_clock import FlightTiming
 
 OUTPUTS = {topic: TICK_TOPICS[topic] for topic in ("mocap", "truth", "truth_interference", "imu")}
 """Published topics and their signals."""

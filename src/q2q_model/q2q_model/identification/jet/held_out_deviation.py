@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.push.jet_deviation import affine_deviation, pushes_and_errors
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.jet.jet_deviation import affine_deviation, pushes_and_errors
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples
 
 

@@ -1,7 +1,7 @@
 """Predicted paths that MPCs exchange, and the paths of neighbours as they are known now.
 
 Every MPC sends the paths it has solved for its own vehicles, once in each slot of T
-(q2q_control.mpc.prediction.time_slots). A receiver interpolates the newest one from before its own tick, so
+(q2q_control.mpc.neighbours.time_slots). A receiver interpolates the newest one from before its own tick, so
 that a distributed flight does not depend on which of two messages of one tick arrives first. A path that is
 older than T turns into what is known without it, and its position becomes uncertain:
 
@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.inputs.alignment import Aligned
-from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours
+from q2q_control.mpc.neighbours.constant_velocity import FAR, Neighbours
 from q2q_model.compiled import compiled
 from q2q_model.signals.cdr.cdr_head import MOST_VEHICLES
 from q2q_model.signals.clock_resets import SET_BACK_S

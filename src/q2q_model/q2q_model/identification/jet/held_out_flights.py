@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.jet.held_out_deviation import with_held_out_deviation
+from q2q_model.identification.jet.jet_fit import fit_to_pushes
+from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.push_samples import (
     GAPS,
     PushSamples,

@@ -26,8 +26,8 @@ from scipy.special import stdtrit
 
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.identification.jet.jet_deviation import deviation_of
 from q2q_model.identification.push.along_flight import eta_on_vehicle
-from q2q_model.identification.push.jet_deviation import deviation_of
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.statistics.intervals import LEVEL, Interval
 from q2q_model.signals.values import Array

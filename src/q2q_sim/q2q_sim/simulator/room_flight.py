@@ -16,13 +16,13 @@ from q2q_model.signals.values import Array, SwarmCommand
 from q2q_sim.air.air_names import AirError
 from q2q_sim.link.conflicting_commands import ConflictingCommands
 from q2q_sim.loop.command_gate import CommandGate
-from q2q_sim.loop.command_stamps import CommandStamps
-from q2q_sim.loop.flight_clock import FlightClock
-from q2q_sim.loop.flight_output import NOTHING, Output, StampedSignal
-from q2q_sim.loop.resend_timer import ResendTimer
 from q2q_sim.loop.room import Room, Tick
-from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.simulator.command_stamps import CommandStamps
+from q2q_sim.simulator.flight_clock import FlightClock
+from q2q_sim.simulator.flight_output import NOTHING, Output, StampedSignal
+from q2q_sim.simulator.resend_timer import ResendTimer
+from q2q_sim.simulator.simulator_params import SimulatorParams
 
 STALL_CHECK_S = 0.05
 """Period of the check for stalled ticks in lockstep [s]."""

@@ -1,0 +1,1 @@
+"""Vehicles of other controllers: the predictions that MPCs exchange, or constant velocity."""
