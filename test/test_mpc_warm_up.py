@@ -9,7 +9,8 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from diagnostic_msgs.msg import DiagnosticArray
 from room_node import RoomNode
 
-from q2q_control.mpc.prediction import constant_velocity, downwash_horizon
+from q2q_control.mpc.neighbours import constant_velocity
+from q2q_control.mpc.prediction import downwash_horizon
 from q2q_control.mpc.solver import horizon_solver
 from q2q_control.ros import mpc_node
 from q2q_model.node.warm_up import synthetic_signal

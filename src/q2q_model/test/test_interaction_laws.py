@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_networks import networks
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, pairs_at_rest
@@ -14,18 +15,6 @@ from q2q_model.downwash.roles import lower_share, smooth_gap
 ABOVE = np.array([0.0, 0.0, 0.5])
 LEVEL = pairs_at_rest(ABOVE)
 ROUNDING = 1e-12
-
-
-def networks(seed: int = 4) -> EnvelopeNetwork:
-    """Return two random networks of 40 units."""
-    rng = np.random.default_rng(seed)
-    lower, upper = (
-        Network(rng.normal(size=(40, 2)), rng.normal(size=40), rng.normal(size=40), float(rng.normal()))
-        for _ in range(2)
-    )
-    return EnvelopeNetwork(lower, upper)
-
-
 CARRYING = replace(MEASURED_LAW, carried=1.0, relative_std=0.25)
 LAWS: list[InteractionModel] = [NoInteraction(), PAPER_LAW, MEASURED_LAW, CARRYING, networks()]
 

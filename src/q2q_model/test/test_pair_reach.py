@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_networks import networks
 from resting_signals import resting_state
-from test_interaction_laws import networks
 
 from q2q_model.downwash.interaction_model import InteractionModel, downwash_at_rest, pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW
