@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hovering_trace import hovering
 
-from q2q_model.signals.values import CommandStatus, TrackStatus
+from q2q_model.signals.values import TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.monitors.policies import POLICIES, Circumstances, FlightTrace, judge
 from q2q_sim.monitors.policies.margins import MOST, margins
@@ -18,27 +19,7 @@ LIMITS = AROUND.limits
 
 def trace() -> FlightTrace:
     """Return a flight of two vehicles that hover 1 m apart, both exactly at their setpoints."""
-    pos = np.zeros((TICKS, 2, 3))
-    pos[:, 1, 0], pos[..., 2] = 1.0, 1.0
-    zero = np.zeros(SHAPE)
-    return FlightTrace(
-        t=0.01 * np.arange(TICKS),
-        names=("a", "b"),
-        true_pos=pos,
-        sent_pos=pos.copy(),
-        seen=np.ones(SHAPE, np.bool_),
-        state_pos=pos.copy(),
-        state_age=zero.copy(),
-        state_status=np.full(SHAPE, float(TrackStatus.TRACKED)),
-        thrust=zero + 0.3,
-        roll=zero.copy(),
-        pitch=zero.copy(),
-        command_status=np.full(SHAPE, float(CommandStatus.OK)),
-        recorded_at=np.zeros(0),
-        commanded_at={},
-        live=False,
-        not_finite=(),
-    )
+    return hovering(np.array([[2.0, -1.0, 1.0], [2.6, -1.8, 1.0]]), TICKS)
 
 
 def test_a_hover_has_the_margins_of_its_distance_alone():
@@ -70,7 +51,7 @@ def test_only_a_push_beyond_the_thrust_exempts_a_vehicle_that_is_away(share: flo
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.01, 3.0])
 def test_a_margin_is_linear_in_the_worst_value_and_negative_where_the_policy_is_violated(share: float):
     flight = trace()
-    flight.true_pos[50, 0, 1] = -share * LIMITS.state_error_max
+    flight.true_pos[50, 0, 1] -= share * LIMITS.state_error_max
     flight.roll[20, 1] = share * LIMITS.tilt_max
     flight.state_age[30, 0] = share * LIMITS.state_age_max
     found = margins(flight, AROUND)
@@ -94,7 +75,5 @@ def test_vehicles_in_contact_and_in_the_zone_have_negative_margins():
 def test_what_is_not_judged_has_an_infinite_margin():
     flight = replace(trace(), state_status=np.full(SHAPE, float(TrackStatus.LOST)))
     assert margins(flight, AROUND)["state_error"] == np.inf
-    alone = replace(flight, names=("a",), true_pos=flight.true_pos[:, :1], sent_pos=flight.sent_pos[:, :1])
-    columns = ("seen", "state_pos", "state_age", "state_status", "thrust", "roll", "pitch", "command_status")
-    alone = replace(alone, **{name: getattr(flight, name)[:, :1] for name in columns})
+    alone = hovering(np.array([[2.0, -1.0, 1.0]]))
     assert margins(alone, AROUND)["separation"] == margins(alone, AROUND)["zone"] == np.inf

@@ -51,43 +51,35 @@ def close_pairs(pos: Array, limit: float) -> Iterator[tuple[tuple[int, int], Arr
 
 
 def zone(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
-    """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
+    """Return the pairs in the zone though their setpoints clear it by `stray`.
 
     Vehicles flown blind drift, vehicles near them evade, vehicles with displaced markers follow them, and
     uncontrollable vehicles sink: their pairs are exempt until `settle` later.
     """
     found = []
     entered = in_zone_once(trace.true_pos, circumstances.zone)
-    for (one, other), inside in clearances(trace, circumstances, entered):
+    for pair, inside in clearances(trace, circumstances, entered):
         deepest = _lowest(inside)
         if deepest is not None and inside[deepest] < 0.0:
-            found.append(
-                _violation("zone", trace, (one, other), _Worst(deepest, float(inside[deepest]), 0.0))
-            )
+            worst = _Worst(deepest, float(inside[deepest]), 0.0)
+            found.append(_violation("zone", trace, pair, worst))
     return found
 
 
 def clearances(
     trace: FlightTrace, circumstances: Circumstances, pairs: Sequence[tuple[int, int]]
 ) -> Iterator[tuple[tuple[int, int], Array]]:
-    """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged.
-
-    Each of `pairs` is yielded in both orders.
-    """
+    """Yield each pair and its distance from the zone [m], (T,); NaN at ticks that are not judged."""
     settle = circumstances.limits.settle
     lost = without_feedback_lately(trace, settle) | evading_lately(trace, settle)
     lost |= with_sensor_error(trace, circumstances.faults, settle) | exempt_lately(trace, circumstances)
     for i, j in pairs:
-        for one, other in ((i, j), (j, i)):
-            real = circumstances.zone.signed_distance(_between(trace.true_pos, one, other))
-            meant = circumstances.zone.signed_distance(_between(trace.sent_pos, one, other))
-            sighted = ~(lost[:, one] | lost[:, other])
-            yield (one, other), np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
-
-
-def _between(pos: Array, i: int, j: int) -> Array:
-    """Return pos_j - pos_i: i feels, j causes, (T, 3)."""
-    return np.asarray(pos[:, j] - pos[:, i])
+        real, meant = (
+            circumstances.zone.signed_distance(pos[:, j] - pos[:, i])
+            for pos in (trace.true_pos, trace.sent_pos)
+        )
+        sighted = ~(lost[:, i] | lost[:, j])
+        yield (i, j), np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
 
 
 def _lowest(values: Array) -> int | None:
