@@ -13,7 +13,9 @@ from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array, Names
 
 NAMES = ("cf1", "cf2")
-HOME = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+GROUND = -0.8
+ROOM = (-1.0, -2.0, -1.5, 3.5, 3.0, 2.5)
+HOME = np.array([[2.0, -1.0, GROUND], [1.4, 0.2, GROUND]])
 FIRST = HOME + np.array([0.0, 0.0, 1.0])
 END = FIRST + np.array([1.0, 0.0, 0.0])
 PLAN = PlanOutline(NAMES, FIRST, FIRST, END, duration=4.0)
@@ -21,17 +23,23 @@ WELL = VehicleReport(
     "cf1", connected=True, volt=4.0, armed=True, locked=False, wrong="", onboard=None, hover_ratio=1.0
 )
 STEP = 0.02
+PARAMS = FlightProcedureParams(ground_height=GROUND, room=ROOM)
 
 
 def up(metres: float) -> Array:
     return np.array([0.0, 0.0, metres])
 
 
+def at_height(pos: Array, height: float) -> Array:
+    """Return positions (n, 3) at another height [m]."""
+    return np.column_stack([pos[:, :2], np.full(len(pos), height)])
+
+
 @dataclass
 class Bench:
     """Vehicles that do at once what they are told, unless `stuck`, and the procedure that tells them."""
 
-    params: FlightProcedureParams = field(default_factory=FlightProcedureParams)
+    params: FlightProcedureParams = PARAMS
     t: float = 100.0
     pos: Array = field(default_factory=HOME.copy)
     vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
@@ -110,11 +118,11 @@ class Bench:
         if order.act in self.stuck or order.act in self.refuses:
             return
         moves: dict[Act, Callable[[], None]] = {
-            Act.TAKE_OFF: lambda: self.move(HOME + up(order.height)),
+            Act.TAKE_OFF: lambda: self.move(at_height(self.pos, order.height)),
             Act.GLIDE: lambda: self.move(FIRST if self.procedure.step is Step.HOLD else self.pos),
             Act.STREAM: lambda: self.move(FIRST),
             Act.START: lambda: None,
-            Act.LAND: lambda: self.move(self.pos * [1.0, 1.0, 0.0]),
+            Act.LAND: lambda: self.move(at_height(self.pos, order.height)),
         }
         moves.get(order.act, lambda: None)()
 

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from procedure_bench import END, FIRST, HOME, PLAN, STEP, Bench, up, up_to
+from procedure_bench import END, FIRST, HOME, PARAMS, PLAN, STEP, Bench, up, up_to
 
-from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
 from q2q_control.flight_procedure.steps import Act, Call, Step
 from q2q_model.node.reply import Reply
 
@@ -22,7 +21,7 @@ def test_nothing_is_ordered_without_a_call() -> None:
 def test_the_whole_procedure_in_order_three_times_in_a_row() -> None:
     bench = Bench()
     for _ in range(3):
-        assert bench.asked(Call.TAKE_OFF).reason == "hovering: cf1 at 0.50 m, cf2 at 0.50 m"
+        assert bench.asked(Call.TAKE_OFF).reason == "hovering: cf1 at -0.30 m, cf2 at -0.30 m"
         assert bench.asked(Call.FLY, 2.0).granted
         assert bench.procedure.step is Step.FLIGHT
         bench.move(END)
@@ -30,7 +29,7 @@ def test_the_whole_procedure_in_order_three_times_in_a_row() -> None:
         assert bench.procedure.step is Step.HOLD  # the plan is over
         bench.move(FIRST)
         answer = bench.asked(Call.LAND)
-        assert answer == Reply(granted=True, reason="on the ground: cf1 at 0.00 m, cf2 at 0.00 m; disarmed")
+        assert answer == Reply(granted=True, reason="on the ground: cf1 at -0.80 m, cf2 at -0.80 m; disarmed")
         assert bench.acts == [
             Act.WAIT, Act.ARM, Act.TAKE_OFF, Act.GLIDE, Act.STREAM, Act.START, Act.GLIDE, Act.STOP_STREAM,
             Act.LAND, Act.DISARM,
@@ -147,7 +146,9 @@ def test_a_plan_that_leaves_the_room_is_refused_in_the_air_too() -> None:
     bench = up_to(Step.HOVER)
     bench.plan = replace(PLAN, high=END + np.array([9.0, 0.0, 0.0]))  # trajectory was started again
     reply = bench.asked(Call.FLY)
-    assert reply == Reply(granted=False, reason="cf1 would fly x from 0.00 to 10.00 m: the room is -3 to 3 m")
+    assert reply == Reply(
+        granted=False, reason="cf1 would fly x from 2.00 to 12.00 m: the room is -1 to 3.5 m"
+    )
     assert (bench.sent, bench.procedure.step) == ([], Step.HOVER)
 
 
@@ -244,7 +245,7 @@ def test_a_plan_is_flown_again_from_the_hold_by_a_new_glide() -> None:
 def test_a_start_joins_setpoints_at_the_vehicles_and_none_that_are_far() -> None:
     """The plan runs already: vehicles on the ground would jump to where it is."""
     bench = Bench()
-    bench.setpoint_pos = np.array([[1.8, 0.0, 0.7], [0.7, 1.0, 1.9]])
+    bench.setpoint_pos = HOME + np.array([[1.8, 0.0, 0.7], [0.7, 0.0, 1.9]])
     refusal = bench.asked(Call.START)
     assert "cf1 is 1.93 m from its setpoint: 0.30 m is the maximum; call take_off, then fly" in refusal.reason
     assert bench.sent == []
@@ -266,14 +267,14 @@ def test_a_start_that_is_landed_as_its_stream_begins_lands_before_it_disarms() -
 
 
 def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:
-    bench = Bench(params=FlightProcedureParams(dry_run=True))
+    bench = Bench(params=replace(PARAMS, dry_run=True))
     answer = bench.asked(Call.TAKE_OFF)
     assert answer.granted
     assert (
         "not checked: own estimate of cf1, cf2; take_off means: let the reference rest at the vehicles, then"
         in answer.reason
     )
-    assert answer.reason.endswith("then take off to 0.50 m in 2.0 s")
+    assert answer.reason.endswith("then take off to -0.30 m in 2.0 s")
     assert bench.asked(Call.LAND).reason.startswith("dry run, nothing is sent; the step is checked")
     assert bench.sent == []
     assert bench.procedure.step is Step.CHECKED

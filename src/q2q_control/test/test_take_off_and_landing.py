@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from procedure_bench import END, FIRST, HOME, PLAN, STEP, WELL, Bench, up, up_to
+from procedure_bench import END, FIRST, GROUND, HOME, PLAN, STEP, WELL, Bench, at_height, up, up_to
 
 from q2q_control.flight_procedure.checks.arrival import heights_text
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
-from q2q_control.flight_procedure.steps import Act, Call, Step
+from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 
 BAD: list[tuple[dict[str, object], str]] = [
@@ -20,17 +20,24 @@ BAD: list[tuple[dict[str, object], str]] = [
     ({"reports": (WELL, replace(WELL, name="cf2", volt=np.nan))}, "cf2 does not report its battery"),
     ({"reports": (WELL, replace(WELL, name="cf2", wrong="stabilizer.controller is 1, 2 is asked"))},
      "cf2: stabilizer.controller is 1, 2 is asked"),
-    ({"reports": (WELL, replace(WELL, name="cf2", onboard=(0.0, 1.0, 0.25)))},
+    ({"reports": (WELL, replace(WELL, name="cf2", onboard=tuple(HOME[1] - up(0.25))))},
      r"cf2 estimates itself 0\.25 m from its measured position"),
     ({"reports": (WELL, replace(WELL, name="cf2", hover_ratio=0.73))},
      r"cf2 would be sent 73 % of the thrust at which it hovers: within 15 %"),
-    ({"pos": HOME + up(0.3)}, r"cf1 is 0\.30 m above the ground"),
+    ({"reports": (WELL, replace(WELL, name="cf2", hover_ratio=1.16))},
+     r"cf2 would be sent 116 % of the thrust"),
+    ({"pos": HOME + up(0.11)}, r"cf1 is 0\.11 m above the ground"),
+    ({"pos": HOME - up(0.11)}, r"cf1 is -0\.11 m above the ground"),
     ({"vel": np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]])}, r"cf2 moves at 0\.20 m/s"),
-    ({"pos": HOME * 0.2}, r"cf1 and cf2 are 0\.20 m apart: 0\.30 m is the minimum"),
+    ({"pos": HOME[0] + [[0.0, 0.0, -0.09], [-0.168, 0.224, 0.09]]},
+     r"cf1 and cf2 are 0\.28 m apart: 0\.30 m is the minimum"),
     ({"pos": HOME + np.array([0.0, 0.4, 0.0])}, r"cf1 is 0\.40 m from its first point: 0\.30 m"),
     ({"plan": None}, "no plan is waiting"),
     ({"plan": replace(PLAN, names=("cf1", "cf9"))}, "the plan is for cf1, cf9, the vehicles are cf1, cf2"),
-    ({"plan": replace(PLAN, high=END + np.array([0.0, 3.0, 0.0]))}, r"cf2 would fly y from 1\.00 to 4\.00 m"),
+    ({"plan": replace(PLAN, high=END + np.array([0.0, 3.0, 0.0]))},
+     r"cf2 would fly y from 0\.20 to 3\.20 m: .* -2 to 3 m"),
+    ({"plan": replace(PLAN, low=END - np.array([0.0, 1.5, 0.0]))},
+     r"cf1 would fly y from -2\.50 to -1\.00 m"),
 ]  # fmt: skip
 
 
@@ -64,7 +71,7 @@ def test_vehicles_that_do_not_arm_are_disarmed_again_and_named() -> None:
 def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is() -> None:
     bench = Bench(stuck={Act.TAKE_OFF})
     answer = bench.asked(Call.TAKE_OFF, 9.0)
-    assert "take-off failed: cf1 is at 0.00 m, 0.50 m from where it should be; landing" in answer.reason
+    assert "take-off failed: cf1 is at -0.80 m, 0.50 m from where it should be; landing" in answer.reason
     assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
@@ -83,7 +90,7 @@ def test_a_landing_is_confirmed_only_on_the_ground() -> None:
     bench = up_to(Step.HOLD, stuck={Act.LAND})
     answer = bench.asked(Call.LAND, 12.0)
     assert not answer.granted
-    assert "not on the ground: cf1 is at 1.00 m" in answer.reason
+    assert "not on the ground: cf1 is at 0.20 m, 1.00 m from where it should be" in answer.reason
     assert Act.DISARM not in bench.acts
     bench.stuck.clear()
     assert bench.asked(Call.LAND).granted  # called again, it lands
@@ -98,14 +105,14 @@ def test_a_landing_that_ends_at_the_last_moment_is_waited_for() -> None:
     again = up_to(Step.HOLD, stuck={Act.LAND})
     again.call(Call.LAND)
     again.wait(late - again.t)
-    again.move(again.pos * [1.0, 1.0, 0.0])
+    again.move(at_height(again.pos, GROUND))
     again.wait(8.0)
     assert again.answer().granted
 
 
 def test_vehicles_that_overlap_glide_apart_before_they_land() -> None:
     bench = up_to(Step.HOLD)
-    bench.move(np.array([[0.0, 0.0, 1.0], [0.0, 0.1, 1.5]]))
+    bench.move(FIRST[0] + np.array([[0.0, 0.0, 0.0], [0.06, -0.08, 0.5]]))
     bench.call(Call.LAND)
     bench.wait(STEP)
     assert bench.acts == [Act.GLIDE]
@@ -113,6 +120,15 @@ def test_vehicles_that_overlap_glide_apart_before_they_land() -> None:
     bench.wait(6.0)
     assert bench.answer().granted
     assert bench.acts == [Act.GLIDE, Act.STOP_STREAM, Act.LAND, Act.DISARM]
+
+
+def test_a_landing_takes_as_long_as_the_highest_vehicle_needs_above_the_ground() -> None:
+    bench = up_to(Step.FLIGHT)
+    first, second = FIRST
+    bench.move(np.array([first, second + up(0.6)]))
+    assert bench.asked(Call.LAND).granted
+    assert bench.sent[1] == Order(Act.LAND, GROUND, pytest.approx(1.6 / 0.4))
+    assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
 def test_vehicles_that_land_by_themselves_are_watched_to_the_ground() -> None:
@@ -192,5 +208,5 @@ def test_a_take_off_up_to_the_ceiling_is_allowed_whatever_the_rounding(
 
 
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
-    observation = replace(Bench().observe(), pos=HOME + up(-0.001))
+    observation = replace(Bench().observe(), pos=at_height(HOME, -0.001))
     assert heights_text(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"
