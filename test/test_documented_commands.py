@@ -16,8 +16,6 @@ from fresh_checkout import ROOT
 from shell_session import Answer, ShellSession
 from working_folder import WorkingFolder
 
-from q2q_sim.processes.domain import own_domain
-
 PAGES = "docs/nodes/"
 ELSEWHERE: Mapping[str, str] = {
     "scripts/demo     #": "flown with docs/tutorials/first_flight.md",
@@ -67,6 +65,8 @@ ELSEWHERE: Mapping[str, str] = {
 """What a command that is not run here begins with, and why."""
 NODES = {path.stem for path in (ROOT / "docs" / "nodes").glob("*.md")} | {"stack"}
 DATA = Path(os.environ.get("Q2Q_DATA", ROOT.parent / "shared" / "data"))
+FIRST_DOMAIN = 140
+"""ROS domain of the first worker; those that flights choose by themselves end before it."""
 FOLLOWED = [path for path in documents() if PAGES not in str(path) and blocks(path)]
 
 
@@ -82,14 +82,14 @@ def is_elsewhere(line: str) -> bool:
 
 @pytest.fixture
 def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator["Reader"]:
-    """Return a reader with a clean folder and a ROS domain of their own."""
-    for name in ("ROS_DOMAIN_ID", "PYTHONPATH"):
-        monkeypatch.delenv(name, raising=False)
+    """Return a reader with a clean folder and a ROS domain of their own, which flights of theirs reserve."""
+    monkeypatch.delenv("PYTHONPATH", raising=False)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    with own_domain() as domain:
-        made = Reader(tmp_path, domain)
-        yield made
-        made.shell_session.close()
+    domain = FIRST_DOMAIN + int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    made = Reader(tmp_path, domain)
+    yield made
+    made.shell_session.close()
 
 
 class Reader:

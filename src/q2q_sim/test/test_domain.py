@@ -1,10 +1,19 @@
 """Two flights on one machine do not receive each other's messages."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 
 from q2q_sim.processes.domain import own_domain
+
+FLY = """
+from q2q_sim.processes.domain import own_domain
+with own_domain() as domain:
+    print(domain)
+"""
+"""Program that reserves a domain."""
 
 
 def test_flights_at_the_same_time_get_different_domains(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -18,6 +27,29 @@ def test_flights_at_the_same_time_get_different_domains(monkeypatch: pytest.Monk
 
 
 def test_a_domain_the_user_has_set_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.setenv("ROS_DOMAIN_ID", "107")
     with own_domain() as domain:
-        assert domain == 7
+        assert domain == 107
+    assert os.environ["ROS_DOMAIN_ID"] == "107"
+
+
+def test_a_second_flight_in_a_domain_the_user_has_set_is_refused_until_the_first_is_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "108")
+    program = [sys.executable, "-c", FLY]
+    with own_domain():
+        refused = subprocess.run(program, capture_output=True, text=True, check=False)
+    assert refused.stderr.splitlines()[-1] == (
+        "ValueError: ROS domain 108 is in use by another flight on this machine: end it, or set another "
+        "ROS_DOMAIN_ID"
+    )
+    assert subprocess.run(program, capture_output=True, text=True, check=True).stdout == "108\n"
+
+
+def test_a_process_that_keeps_a_domain_flies_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "")
+    with own_domain() as kept:
+        with own_domain() as flown:
+            assert flown == kept
+        assert os.environ["ROS_DOMAIN_ID"] == str(kept)

@@ -1,16 +1,18 @@
-"""Choice of a ROS domain that no other flight on this machine uses."""
+"""ROS domain of a flight, which no other flight on this machine has."""
 
-import fcntl
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from socket import socket
 
-from q2q_model.node.loopback import RANGE, restrict
+from q2q_model.node.exclusive_use import claim
+from q2q_model.node.loopback import DOMAIN, RANGE, restrict
 
 DOMAINS = range(20, 100)
 """Candidate domains: below 101, above those usually set by hand (ROS 2 documentation, domain id)."""
+
+_OWN: set[int] = set()
+"""Domains of this process: one that keeps a domain for many flights flies some in processes of their own."""
 
 
 @contextmanager
@@ -18,25 +20,33 @@ def own_domain() -> Iterator[int]:
     """Reserve a free domain on this machine and set ROS_DOMAIN_ID; a domain or range set by the user is kept.
 
     Raises:
-        OSError: all domains are taken.
-        ValueError: the domain of the user is the last one, on this machine only.
+        ValueError: other flights have the domain of the user, or all; or the user's is the last one, on this
+            machine only.
     """
     os.environ.setdefault(RANGE, "LOCALHOST")
     restrict(os.environ)
-    if os.environ.get("ROS_DOMAIN_ID"):
-        yield int(os.environ["ROS_DOMAIN_ID"])
+    given = os.environ.get(DOMAIN)
+    if given and int(given) in _OWN:
+        yield int(given)
         return
-    for domain in DOMAINS:
-        path = Path(tempfile.gettempdir()) / f"q2q-domain-{domain}.lock"
-        with path.open("w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                continue
-            os.environ["ROS_DOMAIN_ID"] = str(domain)
-            try:
-                yield domain
-            finally:
-                os.environ.pop("ROS_DOMAIN_ID", None)
-            return
-    raise OSError(f"all ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are in use by other flights")
+    domain, claimed = _first_free([int(given)] if given else DOMAINS)
+    os.environ[DOMAIN] = given or str(domain)
+    _OWN.add(domain)
+    with claimed:
+        try:
+            yield domain
+        finally:
+            _OWN.remove(domain)
+            if not given:
+                os.environ.pop(DOMAIN, None)
+
+
+def _first_free(domains: Sequence[int]) -> tuple[int, socket]:
+    """Return the first of some domains that no flight has, with its claim; raise ValueError for none."""
+    for domain in domains:
+        with suppress(ValueError):
+            return domain, claim(f"ROS domain {domain}")
+    asked = f"{domains[0]}" if len(domains) == 1 else f"{domains[0]} to {domains[-1]}"
+    raise ValueError(
+        f"other flights on this machine use ROS domain {asked}: end one, or set another {DOMAIN}"
+    )
