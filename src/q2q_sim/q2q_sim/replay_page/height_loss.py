@@ -9,6 +9,7 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight
+from q2q_model.signals.masks_over_time import last_row
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.metrics.exposure import AFTER, FORGOTTEN, exposed
 
@@ -20,10 +21,8 @@ def height_loss(flight: Flight, pos: Array, ref_pos: Array) -> Array:
     """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
     loss: Array = ref_pos[:, :, 2] - pos[:, :, 2]
     under, decaying = exposed(pos, flight.t, AFTER), exposed(pos, flight.t, FORGOTTEN)
-    count = np.arange(len(pos))[:, None]
-    last_under = np.maximum.accumulate(np.where(under, count, -1), axis=0)
-    last_back = np.maximum.accumulate(np.where(~under & ~(loss > 0.0), count, -1), axis=0)
-    return np.where(under | (decaying & (last_back < last_under)), loss, np.nan)
+    goes_on = decaying & (last_row(~under & ~(loss > 0.0)) < last_row(under))
+    return np.where(under | goes_on, loss, np.nan)
 
 
 def height_loss_text(flight: Flight, pos: Array, ref_pos: Array, since: float) -> str:

@@ -33,6 +33,7 @@ from q2q_model.flights.tables.flight_table import (
 )
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 from q2q_model.signals.values import (
     Array,
@@ -77,7 +78,7 @@ def _mocap(table: FlightTable) -> Iterator[Signal]:
 def _state(table: FlightTable) -> Iterator[Signal]:
     pos, vel, quat, rate = table.vectors(POS), table.vectors(VEL), attitude(table), _rate(table)
     gap = table.gap
-    last = np.maximum.accumulate(np.where(gap, table.t[0], table.t[:, None]), axis=0)
+    last = np.maximum(last_time(~gap, table.t), table.t[0])
     status = np.where(gap, TrackStatus.COASTING, TrackStatus.TRACKED).astype(np.uint8)
     for row, t in enumerate(table.t):
         yield SwarmState(

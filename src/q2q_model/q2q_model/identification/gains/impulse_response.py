@@ -36,6 +36,7 @@ from scipy.linalg import expm
 
 from q2q_model.compiled import compiled
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
+from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -143,8 +144,8 @@ def _constant(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
 
 def _settled(record: AltitudeRecord, settling: float) -> Mask:
     """Return the ticks of each vehicle that are `settling` [s] after it was last near another, (T, n)."""
-    near = np.where(in_clear_air(record, CLEAR), -np.inf, record.t[:, None])
-    return np.asarray(record.t[:, None] - np.maximum.accumulate(near, axis=0) >= settling)
+    last_near = last_time(~in_clear_air(record, CLEAR), record.t)
+    return np.asarray(record.t[:, None] - last_near >= settling)
 
 
 def downwash_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:

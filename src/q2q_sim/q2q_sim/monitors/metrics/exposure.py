@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.monitors.metrics.proximity import under_another
 
@@ -57,5 +58,4 @@ def _lacks_another(pos: Array) -> Mask:
 
 def _recently(now: Mask, t: Array, after: float) -> Mask:
     """Return what is so, or was up to `after` [s] before, (T, n)."""
-    last = np.maximum.accumulate(np.where(now, t[:, None], -np.inf), axis=0)
-    return np.asarray(t[:, None] - last <= after + ROUNDING)
+    return np.asarray(t[:, None] - last_time(now, t) <= after + ROUNDING)

@@ -19,8 +19,9 @@ import numpy as np
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.masks_over_time import last_row, last_time
 from q2q_model.signals.stamps import SAME_INSTANT
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.monitors.metrics.exposure import Exposure, exposure
 from q2q_sim.monitors.metrics.proximity import any_in_zone, least_distances
@@ -80,9 +81,9 @@ def best_position(flight: Flight) -> Array:
     A filter puts a vehicle that it has never seen at the origin, and holds the last position of one that it
     has lost. In a flight with motion capture, filtered positions count for coast_s after a sample.
     """
-    seen = np.isfinite(flight.mocap_pos).all(axis=2)  # (T, n)
-    last = np.maximum.accumulate(np.where(seen, flight.t[:, None], -np.inf), axis=0)
-    known = (flight.t[:, None] - last <= MocapFilterParams().coast_s + SAME_INSTANT) | ~seen.any()
+    seen: Mask = np.asarray(np.isfinite(flight.mocap_pos).all(axis=2))  # (T, n)
+    unseen: Array = flight.t[:, None] - last_time(seen, flight.t)
+    known = (unseen <= MocapFilterParams().coast_s + SAME_INSTANT) | ~seen.any()
     filtered = np.where(known[..., None], flight.pos, np.nan)
     return np.where(np.isfinite(flight.true_pos), flight.true_pos, filtered)
 
@@ -116,8 +117,7 @@ def _vehicle(when: Exposure, error: Array, thrust: Array, lasting: Array, weight
 
 def held_thrust(thrust: Array) -> Array:
     """Return commanded thrust from the first command; a tick without one holds the last, (<= T,)."""
-    known = np.isfinite(thrust)
-    last = np.maximum.accumulate(np.where(known, np.arange(len(thrust)), -1))
+    last = last_row(np.isfinite(thrust))
     return np.asarray(thrust[last[last >= 0]])
 
 

@@ -7,6 +7,7 @@ missing command, counts as a fallback (q2q_control.failsafe.fallback_phases).
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.policies.exemptions.sensor_errors import after_label_swap, with_doubtful_stamps
 from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
@@ -35,10 +36,8 @@ def fallback_latency(trace: FlightTrace, circumstances: Circumstances) -> list[V
     limit = circumstances.limits.fallback_latency_max
     if not trace.seen.any():
         return []  # no motion capture in this recording
-    t = trace.t[:, None]
     seen = trace.seen | with_doubtful_stamps(trace, circumstances.faults)[:, None]
-    last = np.maximum.accumulate(np.where(seen, t, t[:1]), axis=0)
-    unseen = t - last
+    unseen = trace.t[:, None] - np.maximum(last_time(seen, trace.t), trace.t[0])
     reported = _as_usual(trace) & ~after_label_swap(trace, circumstances.faults)
     excess = np.where(reported, unseen - limit - ROUNDING, np.nan)
     return worst_violations("fallback_latency", trace, excess, (unseen, limit))

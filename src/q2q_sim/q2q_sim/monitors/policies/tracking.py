@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from q2q_model.signals.masks_over_time import last_row, runs_of_true
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.exemptions.feedback_loss import (
     evading_lately,
-    runs_of_true,
     sent_down_lately,
     without_feedback,
     without_feedback_lately,
@@ -95,7 +95,7 @@ def return_to_path(trace: FlightTrace, circumstances: Circumstances) -> list[Vio
 def _across_gaps(values: Array, ticks: int) -> Array:
     """Return values (T, n) with the last one in gaps, NaN, that end within `ticks` of it."""
     count, known = np.arange(len(values))[:, None], ~np.isnan(values)
-    last = np.maximum.accumulate(np.where(known, count, -1), axis=0)
+    last = last_row(known)
     following = np.minimum.accumulate(np.where(known, count, len(values) + ticks)[::-1], axis=0)[::-1]
     short = (last >= 0) & (following - last <= ticks)
     return np.where(short, np.take_along_axis(values, last, axis=0), values)

@@ -23,6 +23,7 @@ import numpy as np
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
+from q2q_model.signals.masks_over_time import runs_of_true
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.campaigns.falsification.postconditions.hidden_motion import (
@@ -33,7 +34,6 @@ from q2q_sim.campaigns.falsification.postconditions.postcondition_outcome import
 from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.campaigns.random_runs.random_run import Run
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.exemptions.feedback_loss import runs_of_true
 
 CALM_TICKS = 300
 """Ticks in which no vehicle was lost before an evasion is judged: earlier shifts have ended."""

@@ -11,13 +11,13 @@ import numpy as np
 
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.pid.pid_params import PidParams
+from q2q_model.signals.masks_over_time import runs_of_true
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_sim.campaigns.falsification.postconditions.postcondition_outcome import PostconditionOutcome
 from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.campaigns.random_runs.random_run import Run
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.exemptions.feedback_loss import runs_of_true
 
 OK_AGE_MAX = FallbackParams().degraded_s + TICK_S
 """Largest age of a state on which a command may be OK [s]."""

@@ -18,12 +18,12 @@ Jumps of the clock may add up: each counts as longer by the sum of their sizes o
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
+from q2q_model.signals.masks_over_time import last_row
 from q2q_model.signals.stamps import TICK_S
-from q2q_model.signals.values import Array, Mask
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.campaigns.random_runs.random_run import Run
 from q2q_sim.faults.affected_vehicles import affected_vehicles
@@ -45,11 +45,11 @@ LEARNT_S = 1.5
 """Time in which 95 % of a trim is learned [s]: three of the observer's time constants, horizontally."""
 
 
-def last_measured(ticks: RunTicks) -> NDArray[np.intp]:
+def last_measured(ticks: RunTicks) -> Rows:
     """Return the tick of the last measurement of each vehicle, by a frame that does not repeat, (T, n)."""
     repeated = np.diff(ticks.stamp, prepend=math.nan) == 0.0
     measured = (over_ticks(ticks.states, "age") <= 0.0) & ~repeated[:, None]
-    return _last(measured, otherwise=0)
+    return np.maximum(last_row(measured), 0)
 
 
 def misleading_measurement(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
@@ -93,7 +93,7 @@ def in_ignored_downwash(ticks: RunTicks, *, aware: bool) -> Mask:
     if aware:
         return np.zeros((len(ticks.t), len(ticks.names)), dtype=np.bool_)
     pushed = np.linalg.norm(over_ticks(ticks.pushes, "acc"), axis=2) > PUSH
-    return np.asarray(_last(pushed, otherwise=-1) > last_measured(ticks))
+    return np.asarray(last_row(pushed) > last_measured(ticks))
 
 
 def hidden_by_air(run: Run, ticks: RunTicks) -> Mask:
@@ -110,7 +110,7 @@ def hidden_by_air(run: Run, ticks: RunTicks) -> Mask:
     blown = np.asarray(np.linalg.norm(unknown, axis=2) > BLOWN)
     if not run.scenario.air:
         return blown
-    tilted = _last(_below_another(over_ticks(ticks.truth, "pos")), otherwise=-1) >= last
+    tilted = last_row(_below_another(over_ticks(ticks.truth, "pos"))) >= last
     return np.asarray(blown | tilted)
 
 
@@ -137,8 +137,3 @@ def _below_another(pos: Array) -> Mask:
     away = pos[:, None] - pos[:, :, None]  # (T, n, m, 3): m from n
     near = np.hypot(away[..., 0], away[..., 1]) < IN_WAKE
     return np.asarray((near & (away[..., 2] > 0.0)).any(axis=2))
-
-
-def _last(when: Mask, otherwise: int) -> NDArray[np.intp]:
-    """Return the last tick, up to each, at which a mask (T, n) is true, `otherwise` before the first."""
-    return np.maximum.accumulate(np.where(when, np.arange(len(when))[:, None], otherwise), axis=0)

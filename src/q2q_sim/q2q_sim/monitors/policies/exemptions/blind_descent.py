@@ -15,6 +15,7 @@ from math import nan
 
 import numpy as np
 
+from q2q_model.signals.masks_over_time import last_row
 from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import DOWN
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
@@ -48,5 +49,5 @@ def _sinking(trace: FlightTrace, row: int, left: int) -> float:
 def _sent_down(trace: FlightTrace, row: int) -> Mask:
     """Return the ticks at which the newest command to a vehicle sends it down, (T,)."""
     status = trace.command_status[:, row]
-    newest = np.maximum.accumulate(np.where(np.isfinite(status), np.arange(len(status)), 0))
+    newest = np.maximum(last_row(np.isfinite(status)), 0)
     return np.asarray(np.isin(status[newest], DOWN))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
+from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
@@ -65,12 +66,4 @@ def _near(places: Array, pos: Array, reach: float) -> Mask:
 
 def within_settle_time(trace: FlightTrace, when: Mask, settle: float) -> Mask:
     """Return which vehicles are in a condition, or were less than `settle` [s] before, (T, n)."""
-    t = trace.t[:, None]
-    last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
-    return np.asarray(t - last < settle)
-
-
-def runs_of_true(mask: Mask) -> list[tuple[int, int]]:
-    """Return begin and end of each run of True in (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    return np.asarray(trace.t[:, None] - last_time(when, trace.t) < settle)
