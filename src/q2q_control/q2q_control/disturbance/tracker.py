@@ -25,18 +25,16 @@ from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRA
 from q2q_model.compiled import compiled
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import (
+    TRACKED,
     Array,
     Mask,
     Names,
     SwarmCommand,
     SwarmImu,
-    TrackStatus,
     rows_by_name,
 )
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-
-_TRACKED = int(TrackStatus.TRACKED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +152,7 @@ def measured_rows(
     explained = thrust_acc_of_quat(quat, thrusts[1], mass)
     pos, vel, eta, fresh = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty(n, np.bool_)
     for v in range(n):
-        fresh[v] = usable[v] and table[v, TRACK] == _TRACKED
+        fresh[v] = usable[v] and table[v, TRACK] == TRACKED
         for axis in range(3):
             pos[v, axis], vel[v, axis] = table[v, POS_AT + axis], table[v, VEL_AT + axis]
             eta[v, axis] = table[v, ETA_AT + axis]

@@ -44,7 +44,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.controller import Controller
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadReckonedBraking, is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking, is_blind
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.fallback_params import FallbackParams
@@ -59,6 +59,7 @@ from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_model.signals.clock_resets import AHEAD_S, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import (
+    LOST,
     Array,
     CommandStatus,
     Interference,
@@ -67,7 +68,6 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
-    TrackStatus,
     rows_by_name,
 )
 
@@ -288,4 +288,4 @@ def _ages(state: SwarmState, names: Names) -> Array:
 
 def _track(state: SwarmState, names: Names) -> Status:
     """Return the TrackStatus of each vehicle, (n,); LOST if there is none."""
-    return rows_by_name(state.status, state.names, names, TrackStatus.LOST)
+    return rows_by_name(state.status, state.names, names, LOST)

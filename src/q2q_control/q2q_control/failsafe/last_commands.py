@@ -14,13 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, CommandStatus, Mask, Names, Status, rows_by_name
+from q2q_model.signals.values import HOLD, LEVEL, OK, SATURATED, Array, Mask, Names, Status, rows_by_name
 
 Last = tuple[Array, Array]
 """Last computed commands: thrust [N], roll, pitch [rad], yaw rate [rad/s], (n, 4), and stamps [s], (n,)."""
-
-_OK, _SATURATED = int(CommandStatus.OK), int(CommandStatus.SATURATED)
-_HOLD, _LEVEL = int(CommandStatus.HOLD), int(CommandStatus.LEVEL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,11 +82,11 @@ def complete_commands(
     for i in range(usable.size):
         if usable[i]:
             last_values[i], stamps[i] = values[i], t
-            status[i] = _SATURATED if saturated[i] else _OK
+            status[i] = SATURATED if saturated[i] else OK
         elif t - stamps[i] > hold_duration:
             commands[:, i], commands[0, i] = 0.0, hover_thrust
-            status[i] = _LEVEL
+            status[i] = LEVEL
             continue
         else:
-            status[i] = _HOLD
+            status[i] = HOLD
         commands[:, i] = last_values[i]

@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, CommandStatus, Status
+from q2q_model.signals.values import SATURATED, TRACKED, Array, Status
 
-SOUND = int(CommandStatus.SATURATED)
+SOUND = SATURATED
 """Highest status of a command computed from a usable state."""
 
 

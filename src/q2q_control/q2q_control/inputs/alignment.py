@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import (
     KNOWN_NAMES,
+    LOST,
     Array,
     Interference,
     Names,
     Status,
     SwarmSetpoint,
     SwarmState,
-    TrackStatus,
     index_of,
 )
 
@@ -38,7 +38,6 @@ POS, VEL, QUAT = slice(POS_AT, POS_AT + 3), slice(VEL_AT, VEL_AT + 3), slice(QUA
 REF_POS, REF_VEL = slice(REF_POS_AT, REF_POS_AT + 3), slice(REF_VEL_AT, REF_VEL_AT + 3)
 REF_ACC, ETA = slice(REF_ACC_AT, REF_ACC_AT + 3), slice(ETA_AT, ETA_AT + 3)
 _WIDTH = 25
-_LOST = int(TrackStatus.LOST)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +112,7 @@ def mark_usable(table: Array, usable: NDArray[np.bool_], seen: NDArray[np.bool_]
     every = True
     for i in range(table.shape[0]):
         row = table[i]
-        seen[i] = row[TRACK] != _LOST and _is_plausible(row[:QUAT_AT])
+        seen[i] = row[TRACK] != LOST and _is_plausible(row[:QUAT_AT])
         turned = _is_unit(row)
         usable[i] = seen[i] and turned and _is_plausible(row[REF_POS_AT:ETA_AT])
         if not usable[i]:

@@ -12,9 +12,7 @@ valid a tick ago.
 import numpy as np
 
 from q2q_model.signals.stamps import TICK_S
-from q2q_model.signals.values import Interference, InterferenceStatus
-
-_STALE = int(InterferenceStatus.STALE_SOURCE)
+from q2q_model.signals.values import STALE_SOURCE, Interference
 
 
 class StaleDownwashFade:
@@ -37,7 +35,7 @@ class StaleDownwashFade:
             self._valid = {}
             self._t = -np.inf if interference is None else interference.t
             return interference
-        rows = np.flatnonzero(interference.status == _STALE)
+        rows = np.flatnonzero(interference.status == STALE_SOURCE)
         stale = [interference.names[row] for row in rows]
         first = max(self._t, interference.t - TICK_S)
         since = np.array([self._valid.setdefault(name, first) for name in stale])

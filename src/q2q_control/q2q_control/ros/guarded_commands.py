@@ -30,11 +30,17 @@ from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S, stamp_from_time
-from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import (
+    SATURATED,
+    CommandStatus,
+    Interference,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+)
 
 EMERGENCY = "all/emergency"
 """Name of the emergency service, as in Crazyswarm2."""
-_SATURATED = int(CommandStatus.SATURATED)  # numpy takes 5 us to read an enumeration
 
 
 class GuardedCommands:
@@ -111,7 +117,7 @@ class GuardedCommands:
             self._state = state
 
     def _count(self, _: int, command: SwarmCommand) -> None:
-        fallen = int(command.status.max(initial=0)) > _SATURATED
+        fallen = int(command.status.max(initial=0)) > SATURATED
         self._wiring.health.fallbacks += fallen
         if fallen or self._changes.active:
             self._log_changes(command)

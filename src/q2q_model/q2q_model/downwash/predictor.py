@@ -48,9 +48,8 @@ from q2q_model.downwash.state_history import StateHistory
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.geometry.pair_reach import beyond_rows
 from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
-from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import TRACKED, Array, Interference, Mask, Names, SwarmState, index_of
 
-_TRACKED = int(TrackStatus.TRACKED)  # numpy takes 5 us to read an enumeration
 _NONE: Mask = np.zeros(0, dtype=np.bool_)
 _NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), _NONE, _NONE)
 
@@ -133,7 +132,7 @@ class InteractionPredictor:
         """Return the outputs of the model for the pairs of a tick."""
         i, j = pairs
         feels, causes = now[i], now[j]
-        stale: Mask = np.not_equal(state.status[j], _TRACKED)
+        stale: Mask = np.not_equal(state.status[j], TRACKED)
 
         def past(delay: Array) -> SourceStates:
             found = history.at(state.t - delay, j)

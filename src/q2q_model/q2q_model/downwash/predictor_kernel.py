@@ -17,10 +17,8 @@ from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_
 from q2q_model.downwash.state_history import states_at
 from q2q_model.downwash.sweep_and_prune import OrderedPairs, sweep
 from q2q_model.geometry.pair_reach import SLACK, is_beyond_reach
-from q2q_model.signals.values import Array, InterferenceStatus, Mask, Rows, Status, TrackStatus
+from q2q_model.signals.values import NO_MODEL, STALE_SOURCE, TRACKED, VALID, Array, Mask, Rows, Status
 
-_VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
-_TRACKED, _STALE_SOURCE = int(TrackStatus.TRACKED), int(InterferenceStatus.STALE_SOURCE)
 _AGE = 10
 """Column of states."""
 
@@ -162,7 +160,7 @@ def sum_over_sources(
     (feels, _), (eta, deviation, stale, ended) = pairs, outputs
     acc, std, status = sums
     n = now.shape[0]
-    acc[:], std[:], status[:] = 0.0, 0.0, _VALID
+    acc[:], std[:], status[:] = 0.0, 0.0, VALID
     for p in range(feels.size):
         if ended[p]:
             continue
@@ -171,7 +169,7 @@ def sum_over_sources(
             acc[i, k] += eta[p, k]
             std[i, k] += deviation[p, k] * deviation[p, k]
         if stale[p]:
-            status[i] = _STALE_SOURCE
+            status[i] = STALE_SOURCE
     for i in range(n):
         whole = known
         for k in range(6):
@@ -179,7 +177,7 @@ def sum_over_sources(
         for k in range(3):
             std[i, k] = math.sqrt(std[i, k]) if whole else math.nan
         if not whole:
-            status[i] = _NO_MODEL
+            status[i] = NO_MODEL
 
 
 @compiled
@@ -199,7 +197,7 @@ def write_present(states: Array, track: Status, jet: PlainJet, sums: PlainSums) 
     causes = pairs[1]
     stale = np.empty(causes.size, np.bool_)
     for p in range(causes.size):
-        stale[p] = track[causes[p]] != _TRACKED
+        stale[p] = track[causes[p]] != TRACKED
     _sum_jets(pairs, now, JetSources(now, causes, stale), jet, InteractionSums(*sums))
 
 
@@ -245,7 +243,7 @@ def _retarded(
             known = known and math.isfinite(sources[p, k])
         if not known:
             sources[p] = now[causes[p]]
-        stale[p] = not known or tick.track[causes[p]] != _TRACKED
+        stale[p] = not known or tick.track[causes[p]] != TRACKED
     return sources, stale
 
 

@@ -64,6 +64,15 @@ class CommandStatus(IntEnum):
     CUT = 6
 
 
+TRACKED, LOST = int(TrackStatus.TRACKED), int(TrackStatus.LOST)
+PROMISE_BROKEN = int(SetpointStatus.PROMISE_BROKEN)
+VALID, STALE_SOURCE = int(InterferenceStatus.VALID), int(InterferenceStatus.STALE_SOURCE)
+NO_MODEL = int(InterferenceStatus.NO_MODEL)
+OK, SATURATED = int(CommandStatus.OK), int(CommandStatus.SATURATED)
+HOLD, LEVEL, LAND = int(CommandStatus.HOLD), int(CommandStatus.LEVEL), int(CommandStatus.LAND)
+"""The same as plain integers, for every tick: numpy takes 5 us to read an enumeration."""
+
+
 @dataclass(frozen=True, slots=True)
 class MocapFrame:
     """Frame of motion capture: any subset of the vehicles, in any order."""

@@ -5,12 +5,11 @@ from math import isfinite
 import numpy as np
 
 from q2q_model.signals.clock_resets import SET_BACK_S
-from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
+from q2q_model.signals.values import PROMISE_BROKEN, Mask, Names, SwarmSetpoint
 from q2q_planner.online.finite_setpoints import nonfinite_rows
 
 SETTLED_S = 10.0
 """Time of sound setpoints after which a warning is reported as over, and again if it comes back [s]."""
-BROKEN = int(SetpointStatus.PROMISE_BROKEN)
 
 
 class SetpointWarnings:
@@ -40,7 +39,7 @@ class SetpointWarnings:
 
 def setpoint_warning(setpoint: SwarmSetpoint) -> str:
     """Return what is wrong with setpoints, with the vehicles; empty if nothing is."""
-    broken = setpoint.status == BROKEN
+    broken = setpoint.status == PROMISE_BROKEN
     if _is_finite(setpoint) and not np.count_nonzero(broken):
         return ""
     endless = nonfinite_rows(setpoint)

@@ -24,7 +24,6 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     LAG_S,
     POS,
     SEEN,
-    TRACKED,
     TRIM,
     UNKNOWN,
     UNSETTLED,
@@ -36,21 +35,20 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
 from q2q_control.failsafe.blind_flight.elapsed_time import GAP_S, ElapsedTime
 from q2q_control.failsafe.blind_flight.fading_downwash import FadingDownwash, Places
 from q2q_model.signals.values import (
+    LAND,
+    LEVEL,
+    LOST,
+    TRACKED,
     Array,
-    CommandStatus,
     Interference,
     Names,
     Status,
     SwarmCommand,
     SwarmState,
-    TrackStatus,
     index_of,
     predicted_eta,
     rows_by_name,
 )
-
-LOST = np.uint8(TrackStatus.LOST)
-LEVEL, LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
 
 
 class Reckoned(NamedTuple):
@@ -206,9 +204,9 @@ def _measured(state: SwarmState | None, names: Names) -> MeasuredState:
         return MeasuredState(state.pos, state.vel, state.quat, state.status)
     if state is None:
         n = len(names)
-        return MeasuredState(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST))
+        return MeasuredState(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST, np.uint8))
     pos, vel, quat = (rows_by_name(part, state.names, names) for part in (state.pos, state.vel, state.quat))
-    status = rows_by_name(state.status, state.names, names, TrackStatus.LOST)
+    status = rows_by_name(state.status, state.names, names, LOST)
     return MeasuredState(pos, vel, quat, status)
 
 

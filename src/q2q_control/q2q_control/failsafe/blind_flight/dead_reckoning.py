@@ -48,7 +48,7 @@ from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
-from q2q_model.signals.values import Array, Status, TrackStatus
+from q2q_model.signals.values import TRACKED, Array, Status
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 THRUST_LAG_S = LATENCY_S + CRAZYFLIE_2_0.thrust_lag
@@ -68,8 +68,6 @@ ground is in trim whatever it is commanded."""
 OUTLIER_SPEED = 2.0
 """Error of the observed velocity that no disturbance makes: its track restarted [m/s]."""
 
-TRACKED = int(TrackStatus.TRACKED)
-"""Status of a measured vehicle."""
 POS, VEL, ACC, TRIM, YAW, SEEN, OBSERVED, JERK, KNOWN_S, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
 TRACK_WIDTH = 21

@@ -24,11 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
-from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_control.failsafe.evasion.evasion_shift import EvasionShift, Place
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of, rows_by_name
+from q2q_model.signals.values import TRACKED, Array, Names, SwarmSetpoint, SwarmState, index_of, rows_by_name
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""

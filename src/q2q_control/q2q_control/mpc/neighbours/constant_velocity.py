@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import KNOWN_NAMES, Array, Mask, Names, Rows, SwarmState, TrackStatus
+from q2q_model.signals.values import KNOWN_NAMES, LOST, Array, Mask, Names, Rows, SwarmState
 
 FAR = 1e6
 """Position of a vehicle without state [m]: out of everybody's reach."""
-_LOST = int(TrackStatus.LOST)
 
 
 class Neighbours(NamedTuple):
@@ -35,7 +34,7 @@ def at_constant_velocity(state: SwarmState, own: Names, times: Array) -> Neighbo
     names, rows = _others(state.names, own)
     if not names:
         return _nobody(times.size)
-    pos, lost = state.pos[rows], state.status[rows] == _LOST
+    pos, lost = state.pos[rows], state.status[rows] == LOST
     path = _straight_on(pos, state.vel[rows], times - state.t, lost, rows)
     return Neighbours(names, pos, path, np.zeros((rows.size, times.size - 1, 3)), np.zeros(rows.size))
 

@@ -17,9 +17,7 @@ from q2q_model.geometry.rotations import level_where_unknown, rotate_inverse
 from q2q_model.ros.topics.messages import header_at, pose_message
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
 from q2q_model.signals.repeated_stamp import StampOrder
-from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
-
-LOST = int(TrackStatus.LOST)
+from q2q_model.signals.values import LOST, Array, Names, SwarmState
 
 
 class VehicleTopics:
