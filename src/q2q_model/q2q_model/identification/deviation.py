@@ -30,7 +30,7 @@ from q2q_model.signals.values import Array
 
 DRAWS = 500
 """Bootstrap draws: ends of a 95 % interval to a few percent of its width."""
-FEWEST = 5
+FEWEST_ROWS = 5
 """Fewest rows of overlap for a mean: 50 ms at 100 Hz."""
 FEWEST_FLIGHTS = 3
 """Fewest flights for an interval: the two parameters fit two flights exactly, whatever these measured."""
@@ -89,7 +89,7 @@ def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | Non
     for i, j in combinations(range(len(record.names)), 2):
         rel = record.pos[:, j] - record.pos[:, i]
         rows = late & (np.hypot(rel[:, 0], rel[:, 1]) <= params.eps)
-        if (count := int(rows.sum())) >= FEWEST:
+        if (count := int(rows.sum())) >= FEWEST_ROWS:
             gap, dev = float(np.abs(rel[rows, 2].mean())), float((away[rows, i] + away[rows, j]).mean())
             found.append(Overlap(record.name, gap, dev, count * record.dt))
     return max(found, key=attrgetter("seconds"), default=None)
@@ -163,6 +163,6 @@ def _clear_bias(record: AltitudeRecord, clear: float) -> Array:
     n, alone = len(record.names), in_clear_air(record, clear)
     bias = np.zeros(n)
     for i in range(n):
-        if alone[:, i].sum() >= FEWEST:
+        if alone[:, i].sum() >= FEWEST_ROWS:
             bias[i] = np.median(record.deviation[alone[:, i], i])
     return bias

@@ -16,7 +16,7 @@ from q2q_model.commands.recording_options import add_recording_options, add_reco
 from q2q_sim.air.air_names import check_air
 
 EXAMPLE = "  ros2 run q2q_sim validate --air room.air flight3 flight4 --json v.json --out page/"
-FEWEST, MOST = 3, 200
+FEWEST_DRAWS, MOST_DRAWS = 3, 200
 """Draws of a flight: a band needs three, and 200 take ten times as long as the default."""
 
 
@@ -55,7 +55,11 @@ def parser() -> CommandLine:
         "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
     )
     made.add_argument(
-        "--draws", type=whole_number(FEWEST, MOST), default=20, metavar="N", help="draws of each flight"
+        "--draws",
+        type=whole_number(FEWEST_DRAWS, MOST_DRAWS),
+        default=20,
+        metavar="N",
+        help="draws of each flight",
     )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     made.add_argument(

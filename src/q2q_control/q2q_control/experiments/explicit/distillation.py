@@ -26,7 +26,7 @@ Single = NDArray[np.float32]
 
 GATE_MIN = 1e-3
 """Minimum gate of a sample that is fitted [-]."""
-FEWEST = 100
+FEWEST_SAMPLES = 100
 """With fewer samples the network is not fitted: its output is 0."""
 
 
@@ -68,7 +68,7 @@ def distil(teacher: Teacher, params: DistillationParams, rng: np.random.Generato
 
 def _meets_bounds(law: ExplicitLaw, situations: Situations, teacher: Teacher) -> bool:
     gates = features(pair_horizon(situations, teacher), law.altitude_gains, float(law.bounds[1])).gate
-    return bool(np.count_nonzero(gates > GATE_MIN) >= FEWEST)
+    return bool(np.count_nonzero(gates > GATE_MIN) >= FEWEST_SAMPLES)
 
 
 def control_policy(law: ExplicitLaw, teacher: Teacher) -> ControlPolicy:

@@ -27,7 +27,7 @@ OFFSET_S = 0.1
 """Offset that is reported [s]: latencies of motion capture, networks and recorders are tens of ms."""
 PARTS = 2
 """Parts of a flight, each of which may show an offset."""
-FEWEST = 3
+FEWEST_MESSAGES = 3
 """Messages of a part from which an offset is known: the first may be an old one that was latched."""
 OUTLYING = 0.1
 """Share of the messages that may be received earlier, or later, than an offset says."""
@@ -75,9 +75,9 @@ def clock_offset(one: MessageTimes, other: MessageTimes) -> float:
     expected = np.interp(other.stamps[within], one.stamps, one.received)
     slowness = np.ptp(one.received) / max(np.ptp(one.stamps), np.finfo(float).tiny)
     ahead = (expected - other.received[within]) / max(float(slowness), 1.0)
-    if len(ahead) < FEWEST:
+    if len(ahead) < FEWEST_MESSAGES:
         return 0.0
-    parts = np.array_split(ahead, min(PARTS, len(ahead) // FEWEST))
+    parts = np.array_split(ahead, min(PARTS, len(ahead) // FEWEST_MESSAGES))
     return max((_in_common(part) for part in parts), key=abs)
 
 

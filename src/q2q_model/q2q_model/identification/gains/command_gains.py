@@ -56,7 +56,7 @@ from q2q_model.identification.statistics.intervals import (
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
-FEWEST = 200
+FEWEST_ROWS = 200
 """Fewest rows: 2 s at 100 Hz."""
 BLOCK = 1.0
 """Minimum length of a cluster of residuals [s]."""
@@ -120,10 +120,10 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     """
     whole = _stacked(records)
     system = _without_limited(whole)
-    if system.target.size < FEWEST:
+    if system.target.size < FEWEST_ROWS:
         raise ValueError(
             f"{counted(system.target.size, 'row')} with thrust commands in "
-            f"{counted(len(records), 'flight')}, {FEWEST} needed, at references with rates: "
+            f"{counted(len(records), 'flight')}, {FEWEST_ROWS} needed, at references with rates: "
             "record the topics command and reference, or fit the gains to trajectories"
         )
     terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]
@@ -174,7 +174,7 @@ def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
 def _without_limited(system: _Equation) -> _Equation:
     """Return the rows whose velocity setpoint is not at its limit; all if those are few, as in a climb."""
     rows = ~system.limited
-    if rows.sum() < FEWEST:
+    if rows.sum() < FEWEST_ROWS:
         return system
     return _Equation(**{one.name: getattr(system, one.name)[rows] for one in fields(system)})
 

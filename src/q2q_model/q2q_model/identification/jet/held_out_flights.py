@@ -23,7 +23,7 @@ from q2q_model.identification.push.push_samples import (
 )
 from q2q_model.signals.values import Array
 
-FEWEST = 2
+FEWEST_FLIGHTS = 2
 """Flights with a vehicle under another that leaving one out needs."""
 
 FlightSamples = Mapping[str, Sequence[PushSamples]]
@@ -66,10 +66,10 @@ def held_out_scores(training: FlightSamples, further: FlightSamples) -> HeldOutS
         ValueError: fewer than two training flights have a vehicle under another.
     """
     known, form = _with_wake(training), JetForm()
-    if len(known) < FEWEST:
+    if len(known) < FEWEST_FLIGHTS:
         raise ValueError(
             f"{len(known)} of {len(training)} flights have a vehicle {GAPS[0]} to {GAPS[1]} m under another "
-            f"with a measured push; leaving one out needs {FEWEST}"
+            f"with a measured push; leaving one out needs {FEWEST_FLIGHTS}"
         )
     found = []
     for name, samples in known.items():

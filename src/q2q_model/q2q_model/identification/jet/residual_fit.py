@@ -35,7 +35,7 @@ from q2q_model.signals.values import Array
 LAGS = np.arange(0.02, 0.16, 0.01)
 """Wanted lags [s]: from the first that filters of the measurement do not correlate to twice the correlation
 time."""
-FEWEST = 500
+FEWEST_ROWS = 500
 """Fewest exposed rows: 5 s at 100 Hz."""
 FEWEST_LAGS = 3
 """Fewest lags: one more than unknowns."""
@@ -87,12 +87,12 @@ class _LagSums(NamedTuple):
 def fit_residual(model: InteractionModel, samples: Sequence[PushSamples]) -> ResidualFit | None:
     """Return the process fitted to exposed rows.
 
-    None for fewer than `FEWEST`, for fewer than `FEWEST_LAGS`, as below 16 Hz, or without correlation.
+    None for fewer than `FEWEST_ROWS`, for fewer than `FEWEST_LAGS`, as below 16 Hz, or without correlation.
     """
     parts = [_part(model, one) for one in samples if one.exposed.any()]
     if len(parts) < FEWEST_PARTS:
         parts = [piece for part in parts for piece in _pieces(part)]
-    if sum(part.push.size for part in parts) < FEWEST or (whole := _process(parts)) is None:
+    if sum(part.push.size for part in parts) < FEWEST_ROWS or (whole := _process(parts)) is None:
         return None
     left = [_process(parts[:k] + parts[k + 1 :]) for k in range(len(parts))]
     values = np.array([_values(one) for one in left if one is not None])
@@ -115,8 +115,8 @@ def _part(model: InteractionModel, one: PushSamples) -> _Part:
 
 
 def _pieces(part: _Part) -> list[_Part]:
-    """Return the rows of a part in pieces of FEWEST / 2 rows."""
-    cuts = range(FEWEST // 2, part.push.size, FEWEST // 2)
+    """Return the rows of a part in pieces of FEWEST_ROWS / 2 rows."""
+    cuts = range(FEWEST_ROWS // 2, part.push.size, FEWEST_ROWS // 2)
     columns = (np.split(values, list(cuts)) for values in (part.tick, part.push, part.residual))
     return [_Part(t, part.period, push, residual) for t, push, residual in zip(*columns, strict=True)]
 

@@ -21,7 +21,7 @@ from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread, slope_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value, within_search
 
-FEWEST = 200
+FEWEST_ROWS = 200
 """Fewest rows under two vehicles: 2 s at 100 Hz."""
 SHARES = np.linspace(0.0, 1.0, 51)
 WIDTHS = np.linspace(0.02, 0.2, 10)
@@ -32,9 +32,9 @@ SOURCE = "rows under two vehicles"
 
 
 def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[AbsorptionTerm] | None:
-    """Return the absorption; None with fewer than FEWEST rows under two vehicles."""
+    """Return the absorption; None with fewer than FEWEST_ROWS under two vehicles."""
     parts = rows_under_two(records)
-    if sum(part.rows.size for part in parts) < FEWEST:
+    if sum(part.rows.size for part in parts) < FEWEST_ROWS:
         return None
     near, far = _pushes(parts, jet)
     place = _between(parts, jet)
@@ -60,14 +60,14 @@ def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[A
 def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     """Return how large two co-axial wakes together are over the sum of each alone.
 
-    None with fewer than FEWEST rows, or where the jet pushes in none of them.
+    None with fewer than FEWEST_ROWS, or where the jet pushes in none of them.
     """
     parts = rows_under_two(records)
     if not parts:
         return None
     near, far = _pushes(parts, jet)
     coaxial = _between(parts, jet)[1] < COAXIAL
-    if coaxial.sum() < FEWEST:
+    if coaxial.sum() < FEWEST_ROWS:
         return None
     y, both = np.concatenate([part.y for part in parts])[coaxial], -(near + far)[coaxial]
     products = np.stack([y * both, both * both], axis=1)

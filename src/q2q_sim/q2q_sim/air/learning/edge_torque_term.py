@@ -30,7 +30,7 @@ LEAST_GAP = 0.15
 """Minimum gap of rows [m]: closer, vehicles swap heights and turn hard."""
 RADII = np.linspace(0.02, 0.12, 21)
 """Radii of the largest torque to choose from [m]."""
-FEWEST = 300
+FEWEST_ROWS = 300
 """Fewest rows: 3 s at 100 Hz."""
 SOURCE = "rows under one vehicle with a motor log"
 PATHS = ("edge_torque.peak_nm", "edge_torque.radius_m")
@@ -41,11 +41,11 @@ def edge_torque_term(
 ) -> LearnedTerm[EdgeTorqueTerm] | None:
     """Return the torque in addition to that of a load of the rates [N m s].
 
-    None with fewer than FEWEST rows of vehicles with a motor log and an attitude under one other.
+    None with fewer than FEWEST_ROWS of vehicles with a motor log and an attitude under one other.
     """
     parts = _inner(rows_under_one(records), jet)
     rows = sum(part.rows.size for part in parts)
-    if rows < FEWEST:
+    if rows < FEWEST_ROWS:
         return None
     place = wake_rows.jet_places(parts, travel_of(jet))
     ratio = place.radius[:, None] / RADII

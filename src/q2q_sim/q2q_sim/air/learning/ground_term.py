@@ -22,7 +22,7 @@ from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_v
 
 NEAR = 0.15
 """Height below which a row shows the ground effect [m]: six rotor radii."""
-FEWEST = 200
+FEWEST_ROWS = 200
 """Fewest such rows: 2 s at 100 Hz."""
 ONE_ROTOR = 1.0 / 16.0
 """b of one rotor: Cheeseman and Bennett, 1955."""
@@ -33,14 +33,14 @@ def ground_term(records: Sequence[AirRecord]) -> LearnedTerm[GroundTerm]:
     places, products, rows = [], [], 0
     for record in records:
         for i, near in enumerate(_near_ground(record).T):
-            if near.any() and (away := _away(record)[:, i]).sum() >= FEWEST:
+            if near.any() and (away := _away(record)[:, i]).sum() >= FEWEST_ROWS:
                 ratio = _ratio(record, i)
                 gain = ratio[near] / np.median(ratio[away]) - 1.0
                 closeness = (ROTOR_RADIUS / record.motion.pos[near, i, 2]) ** 2
                 places.append(Row(record.name, record.motion.t[near]))
                 products.append(np.stack([closeness * gain, closeness**2], axis=1))
                 rows += int(near.sum())
-    spread = slope_spread(np.concatenate(products), block_of_rows(places)) if rows >= FEWEST else None
+    spread = slope_spread(np.concatenate(products), block_of_rows(places)) if rows >= FEWEST_ROWS else None
     if spread is None:
         value = Fitted(
             "ground.coefficient", ONE_ROTOR, None, None, rows, "not learned: Cheeseman and Bennett 1955"

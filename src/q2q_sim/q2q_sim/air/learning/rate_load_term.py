@@ -23,14 +23,14 @@ from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
 from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 
-FEWEST = 200
+FEWEST_ROWS = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
 LEAST_RATE = 0.05
 """Minimum rms rate of a vehicle [rad/s]: a hovering one does not show the load."""
 
 
 def rate_load_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[RateLoadTerm] | None:
-    """Return the load; None without a vehicle that turns for FEWEST rows in clear air with a motor log."""
+    """Return the load; None without a vehicle that turns for FEWEST_ROWS in clear air with a motor log."""
     power = usual_power(motor_curves(records))
     each = [
         _load(record, i, vehicle, power)
@@ -51,7 +51,7 @@ def rate_load_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTer
 
 def _turns(record: AirRecord, i: int) -> bool:
     rate: Array = record.rate_body[record.clear[:, i], i, :2]
-    return len(rate) >= FEWEST and has_trim(record, i) and bool(np.sqrt((rate**2).mean()) > LEAST_RATE)
+    return len(rate) >= FEWEST_ROWS and has_trim(record, i) and bool(np.sqrt((rate**2).mean()) > LEAST_RATE)
 
 
 def _load(record: AirRecord, i: int, vehicle: Vehicle, power: float) -> float:

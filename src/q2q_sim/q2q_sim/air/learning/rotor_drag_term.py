@@ -18,19 +18,19 @@ from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 
-FEWEST = 200
+FEWEST_ROWS = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
 LEAST_SPEED = 0.1
 """Minimum rms speed of a vehicle in its plane [m/s]: a hovering one does not show the drag."""
 
 
 def rotor_drag_term(records: Sequence[AirRecord]) -> LearnedTerm[RotorDragTerm] | None:
-    """Return the drag; None without a vehicle that moves for FEWEST rows in clear air."""
+    """Return the drag; None without a vehicle that moves for FEWEST_ROWS in clear air."""
     products, places = [], []
     for record in records:
         for i in range(record.vehicles):
             rows = record.felt[:, i]
-            if rows.sum() < FEWEST:
+            if rows.sum() < FEWEST_ROWS:
                 continue
             felt, moved = (
                 rotate_inverse(record.quat[rows, i], values[rows, i])[:, :2]

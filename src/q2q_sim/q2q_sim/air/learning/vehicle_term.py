@@ -24,7 +24,7 @@ from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_v
 
 FEWEST_CLEAR = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
-FEWEST = 2
+FEWEST_FLIGHTS = 2
 """Fewest flights of vehicles for a deviation."""
 HEAVIEST = 0.1 * GRAVITY
 """Largest mean offset of a vehicle of the given mass [m/s^2]: thrust maps are off by a few per cent."""
@@ -43,9 +43,9 @@ dc21_randomwalk_ss_00 (3.0, 0.14), 3.0 being the largest allowed; the frequency 
 
 
 def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[VehicleTerm] | None:
-    """Return the differences; None with fewer than FEWEST flights of vehicles in clear air, or of others."""
+    """Return the differences; None with fewer than FEWEST_FLIGHTS of vehicles in clear air, or of others."""
     offsets = _offsets(records, vehicle)
-    if offsets.size < FEWEST or abs(offsets.mean()) > HEAVIEST:
+    if offsets.size < FEWEST_FLIGHTS or abs(offsets.mean()) > HEAVIEST:
         return None
     values = [
         *_spread_of_offsets(offsets, vehicle.mass),
@@ -65,7 +65,7 @@ def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[
 def hovering_mass(records: Sequence[AirRecord], vehicle: Vehicle) -> float | None:
     """Return the mass that the thrust commands carry in clear air [kg], None if unknown."""
     offsets = _offsets(records, vehicle)
-    return float(vehicle.mass * (1.0 - offsets.mean() / GRAVITY)) if offsets.size >= FEWEST else None
+    return float(vehicle.mass * (1.0 - offsets.mean() / GRAVITY)) if offsets.size >= FEWEST_FLIGHTS else None
 
 
 def accelerometer_reason(records: Sequence[AirRecord]) -> str:

@@ -23,7 +23,7 @@ from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, wi
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
 """Lags of the autocovariance [s], or those of a flight nearest to them; noise is correlated for 0.03 s."""
-FEWEST = 500
+FEWEST_ROWS = 500
 """Fewest rows of a vehicle in clear air: 5 s at 100 Hz."""
 START = np.array([0.1, 0.2])
 LOWEST, LARGEST = np.array([0.0, 0.01]), np.array([3.0, 10.0])
@@ -32,8 +32,8 @@ PATHS = ("wind.gust_std_mps2", "wind.gust_time_s")
 
 
 def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
-    """Return the gusts; None without a vehicle with FEWEST rows in clear air."""
-    parts = [(r, one) for r in records for one in r.samples if r.clear[:, one.vehicle].sum() >= FEWEST]
+    """Return the gusts; None without a vehicle with FEWEST_ROWS in clear air."""
+    parts = [(r, one) for r in records for one in r.samples if r.clear[:, one.vehicle].sum() >= FEWEST_ROWS]
     if not parts:
         return None
     each = np.array([_gusts(record, one) for record, one in parts])  # (parts, 2)

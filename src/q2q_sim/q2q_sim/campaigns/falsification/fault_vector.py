@@ -17,11 +17,11 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array, Names
-from q2q_sim.campaigns.random_runs.random_run import MOST
+from q2q_sim.campaigns.random_runs.random_run import MOST_FAULTS
 from q2q_sim.faults.drawn_faults import LENGTHS, SIZES, earliest_start, kinds_among
 from q2q_sim.faults.faults import KINDS, Fault
 
-SLOTS = MOST
+SLOTS = MOST_FAULTS
 """Faults in a run: as many as campaigns draw at most."""
 
 

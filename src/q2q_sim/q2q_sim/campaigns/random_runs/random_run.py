@@ -30,7 +30,7 @@ Document = dict[str, object]
 
 GAINS = {"k_p_z": 10.0, "k_d_z": 5.0, "k_i_z": 8.0, "k_p_xy": 6.0, "k_d_xy": 4.0, "k_i_xy": 4.0}
 """K_p and K_d: real flights dc21 (scenario stack3). K_i: a sixth of K_p K_d, the stability limit."""
-FEWEST, MOST = 1, 4
+FEWEST_FAULTS, MOST_FAULTS = 1, 4
 """Faults in a run."""
 CALM_S = 4.5
 """Time at the end of a run without new faults [s], in which the vehicles must return to their paths."""
@@ -107,7 +107,7 @@ def draw_run(seed: int, air: str = "", replan: str = "") -> Run:
     own: Document = {"pid": GAINS | {"thrust_max": most}, "mpc": {"thrust_max": most}}
     document["overrides"] = own
     scenario = scenario_from_document("drawn", document)
-    count = int(rng.integers(FEWEST, MOST + 1))
+    count = int(rng.integers(FEWEST_FAULTS, MOST_FAULTS + 1))
     faults = random_faults(seed, scenario.names, scenario.duration - CALM_S, count)
     document["faults"] = [fault_document(fault) for fault in faults]
     document["overrides"] = own | _replanning(shipped, options, rng)

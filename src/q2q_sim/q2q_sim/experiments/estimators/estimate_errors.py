@@ -22,7 +22,7 @@ SHORT, RECOVERY = 0.15, 0.5
 """[s]"""
 BOOTSTRAP = 300
 """Draws of flights for an interval."""
-FEWEST = 3
+FEWEST_FLIGHTS = 3
 """Flights for an interval."""
 
 
@@ -100,7 +100,7 @@ def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
 
 def pooled_median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
     """Return the 95 % interval of the pooled median by a bootstrap over flights; None below three."""
-    if len(flights) < FEWEST:
+    if len(flights) < FEWEST_FLIGHTS:
         return None
     draw = np.random.default_rng(0)
     drawn = [

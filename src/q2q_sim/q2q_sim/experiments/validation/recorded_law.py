@@ -40,7 +40,7 @@ from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 LEAST_S = 2.0
 """Least time of all vehicles with commands, and of those in clear air [s]."""
-FEWEST = 40
+FEWEST_SAMPLES = 40
 """Fewest samples of references in that time: those of 20 Hz in 2 s."""
 ROW_ERROR = 0.01
 """Residual of T / m above which a row loses weight [m/s^2]: three times that of a swap."""
@@ -90,7 +90,7 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     """Return the law of a flight's vehicles, and the flight with the whole acceleration reference.
 
     Raises:
-        ValueError: fewer than LEAST_S with commands or FEWEST samples of references in them, or an unstable
+        ValueError: fewer than LEAST_S with commands or FEWEST_SAMPLES of references in them, or an unstable
             law.
     """
     limited = at_velocity_limit(flight.ref_vel) | flight.stepped[..., None]  # (T, n, 3)
@@ -150,11 +150,11 @@ def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> RecordedLa
     """Return the gains, with offsets of zero."""
     commanded = flight.usable & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
     rows, seconds = commanded & flight.sure, commanded.sum() * flight.dt
-    if seconds < LEAST_S or rows.sum() < FEWEST or limited.any(axis=-1).all(axis=0).any():
+    if seconds < LEAST_S or rows.sum() < FEWEST_SAMPLES or limited.any(axis=-1).all(axis=0).any():
         raise ValueError(
             f"flight {flight.name} cannot be flown again: {seconds:.1f} s with thrust commands, and "
             f"{rows.sum()} samples of references with rates in them; the gains of its controllers need "
-            f"{LEAST_S:g} s, {FEWEST} samples, and rates of each vehicle"
+            f"{LEAST_S:g} s, {FEWEST_SAMPLES} samples, and rates of each vehicle"
         )
     errors = np.stack([error[rows] for error in _errors(flight)])  # (3, k, 3)
     plain = (flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows]  # (k, 3)

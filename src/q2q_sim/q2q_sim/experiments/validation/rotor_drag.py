@@ -15,7 +15,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
-FEWEST = 200
+FEWEST_ROWS = 200
 """Fewest rows of a vehicle: 2 s at 100 Hz."""
 
 
@@ -32,7 +32,7 @@ def read_drag(flight: TrackedFlight) -> float:
     product = square = 0.0
     for i in range(len(flight.names)):
         rows = flight.free[:, i] & flight.usable[:, i] & np.isfinite(force[:, i]).all(axis=1)
-        if rows.sum() >= FEWEST:
+        if rows.sum() >= FEWEST_ROWS:
             felt, moved = (part[rows, i] - part[rows, i].mean(axis=0) for part in (force, speed))
             product += float((felt * moved).sum())
             square += float((moved**2).sum())

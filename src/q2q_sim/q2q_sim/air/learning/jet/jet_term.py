@@ -45,7 +45,7 @@ from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import BlockOfRows, Spread, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, at_bound, fitted_value
 
-FEWEST = 300
+FEWEST_ROWS = 300
 """Fewest exposed rows for a jet: 3 s at 100 Hz."""
 FLOWN = (0.01, 0.99)
 """Quantiles of the exposed rows' gaps between which the table is measured."""
@@ -64,7 +64,7 @@ TOLERANCE = 5e-3
 
 
 def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
-    """Return the jet; None if fewer than FEWEST rows lie under exactly one vehicle."""
+    """Return the jet; None if fewer than FEWEST_ROWS lie under exactly one vehicle."""
     parts = _enough(records)
     if parts is None:
         return None
@@ -97,9 +97,9 @@ def jet_alone(records: Sequence[AirRecord]) -> JetTerm | None:
 
 
 def _enough(records: Sequence[AirRecord]) -> list[WakeRows] | None:
-    """Return the rows under exactly one vehicle, None if fewer than FEWEST are exposed."""
+    """Return the rows under exactly one vehicle, None if fewer than FEWEST_ROWS are exposed."""
     parts = rows_under_one(records)
-    return parts if sum(int(part.exposed.sum()) for part in parts) >= FEWEST else None
+    return parts if sum(int(part.exposed.sum()) for part in parts) >= FEWEST_ROWS else None
 
 
 _PATHS = ("jet.push_mps2", "jet.travel_speed_mps", "jet.carried", "jet.slope")

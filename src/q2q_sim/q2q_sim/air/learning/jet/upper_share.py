@@ -10,7 +10,7 @@ from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, slope_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 
-FEWEST = 100
+FEWEST_ROWS = 100
 """Fewest upper rows: 1 s at 100 Hz."""
 MOST = 1.0
 """Largest share of its push that a source feels."""
@@ -19,12 +19,12 @@ MOST = 1.0
 def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
     """Return u for the splines' coefficients of P; None if the upper rows do not show it.
 
-    They are fewer than FEWEST, P is 0 in all of them, or u or an end of its interval is beyond 1, more than
-    the source gives.
+    They are fewer than FEWEST_ROWS, P is 0 in all of them, or u or an end of its interval is beyond 1, more
+    than the source gives.
     """
     parts = [(record, one) for record in records for one in record.samples if one.upper.any()]
     rows = [np.flatnonzero(one.upper) for _, one in parts]
-    if sum(one.size for one in rows) < FEWEST:
+    if sum(one.size for one in rows) < FEWEST_ROWS:
         return None
     y = np.concatenate([one.y[at] for (_, one), at in zip(parts, rows, strict=True)])
     push = np.concatenate(

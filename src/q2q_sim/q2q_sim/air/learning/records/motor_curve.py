@@ -27,7 +27,7 @@ from q2q_model.identification.push.recorded_push import FULL_DUTY
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 
-FEWEST = 500
+FEWEST_ROWS = 500
 """Fewest rows of a vehicle in flight: 5 s at 100 Hz."""
 POWERS = np.linspace(1.0, 3.0, 21)
 """k to choose from: thrust in proportion to the speed of the rotors is 1, to its square 2."""
@@ -78,7 +78,7 @@ def _curves(record: AirRecord, motors: Motors) -> list[MotorCurve]:
         flying = record.flying[:, i] & (record.motion.pos[:, i, 2] > FLOOR)
         turning = (motors.duty[:, i] > 0.0).all(axis=1) & (motors.volts[:, i] > 0.0)
         rows = record.measured[:, i] & flying & turning
-        if rows.sum() >= FEWEST:
+        if rows.sum() >= FEWEST_ROWS:
             found.append(_curve(record, motors, i, np.flatnonzero(rows)))
     return found
 
@@ -104,5 +104,5 @@ def _curve(record: AirRecord, motors: Motors, i: int, rows: Rows) -> MotorCurve:
 def _work(each: Array, clear: Mask, rows: Rows) -> Array:
     """Return the work of each motor over their mean, in clear air if there are enough rows of it."""
     free = rows[clear[rows]]
-    done = each[free if free.size >= FEWEST else rows] ** USUAL_POWER
+    done = each[free if free.size >= FEWEST_ROWS else rows] ** USUAL_POWER
     return np.asarray(np.median(done / done.mean(axis=1, keepdims=True), axis=0))

@@ -9,7 +9,7 @@ from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, vehicle_
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 
-FEWEST = 100
+FEWEST_ROWS = 100
 """Fewest exposed rows of a vehicle for its gain: 1 s at 100 Hz."""
 FEWEST_STRETCHES = 3
 """Fewest stretches of 2 s with exposed rows of a vehicle for the error of its gain."""
@@ -27,7 +27,7 @@ def gain_spread(wakes: Sequence[WakeResiduals]) -> Fitted:
         rows = np.flatnonzero(one.one.exposed)
         pair = np.stack([-one.one.y[rows] * one.eta[rows], one.eta[rows] ** 2], axis=1)
         sums = block_sums(pair, block_of_rows([Row(one.record.name, one.record.motion.t[rows])]))
-        if rows.size >= FEWEST and len(sums) >= FEWEST_STRETCHES:
+        if rows.size >= FEWEST_ROWS and len(sums) >= FEWEST_STRETCHES:
             gain = vehicle_gain(one)
             residual = sums[:, 0] - gain * sums[:, 1]
             gains.append(gain)

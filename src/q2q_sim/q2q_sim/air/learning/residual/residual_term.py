@@ -25,7 +25,7 @@ from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, wi
 
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
 """Bounds of the levels of |eta| [m/s^2]."""
-FEWEST = 300
+FEWEST_ROWS = 300
 """Fewest exposed rows: 3 s at 100 Hz."""
 START = np.array([0.3, 0.1, 0.08])
 """Floor [m/s^2], slope [-] and time [s] from which the fit starts."""
@@ -36,10 +36,10 @@ PATHS = ("residual.floor_mps2", "residual.slope", "residual.time_s")
 def residual_term(
     groups: Sequence[HeldOutGroup], absorption: AbsorptionTerm | None
 ) -> LearnedTerm[ResidualTerm] | None:
-    """Return what jets of other flights leave unexplained; None with fewer than FEWEST exposed rows."""
+    """Return what jets of other flights leave unexplained; None with fewer than FEWEST_ROWS exposed."""
     wakes = [wake for one in groups for wake in wake_residuals(one.records, one.jet, absorption)]
     rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
-    if rows < FEWEST:
+    if rows < FEWEST_ROWS:
         return None
     lags = np.unique(np.concatenate([wake.lags.times for wake in wakes]))
     sums = _sums([with_vehicle_gain(wake) for wake in wakes], lags)
