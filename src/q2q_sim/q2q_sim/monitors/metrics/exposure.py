@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.masks_over_time import last_time
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.monitors.metrics.proximity import under_another
 
@@ -26,8 +27,6 @@ AFTER = 1.0
 """Time after a pass in which its error counts [s]."""
 FORGOTTEN = 3.0
 """Time after which the air counts as clear again [s]."""
-ROUNDING = 1e-6
-"""Times are differences of stamps [s]."""
 
 
 class Exposure(NamedTuple):
@@ -39,7 +38,7 @@ class Exposure(NamedTuple):
 
 def exposure(pos: Array, t: Array) -> Exposure:
     """Return the exposure of vehicles at positions (T, n, 3) [m], NaN where unknown, at times (T,) [s]."""
-    judged, now = (t - t[:1] >= SETTLE - ROUNDING)[:, None], under_another(pos, ASIDE, BELOW)
+    judged, now = (t - t[:1] >= SETTLE - SAME_STAMP)[:, None], under_another(pos, ASIDE, BELOW)
     return Exposure(
         judged & _recently(now, t, AFTER), judged & ~_recently(now | _lacks_another(pos), t, FORGOTTEN)
     )
@@ -58,4 +57,4 @@ def _lacks_another(pos: Array) -> Mask:
 
 def _recently(now: Mask, t: Array, after: float) -> Mask:
     """Return what is so, or was up to `after` [s] before, (T, n)."""
-    return np.asarray(t[:, None] - last_time(now, t) <= after + ROUNDING)
+    return np.asarray(t[:, None] - last_time(now, t) <= after + SAME_STAMP)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.masks_over_time import last_time
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.policies.exemptions.sensor_errors import after_label_swap, with_doubtful_stamps
 from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
@@ -15,14 +16,11 @@ from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.inputs.limits import Limits
 from q2q_sim.monitors.policies.violations import Violation, worst_violations
 
-ROUNDING = 1e-6
-"""Ages are differences of stamps [s]."""
-
 
 def state_age(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally on too old a state."""
     limit = circumstances.limits.state_age_max
-    excess = np.where(_as_usual(trace), trace.state_age - limit - ROUNDING, np.nan)
+    excess = np.where(_as_usual(trace), trace.state_age - limit - SAME_STAMP, np.nan)
     return worst_violations("state_age", trace, excess, (trace.state_age, limit))
 
 
@@ -39,7 +37,7 @@ def fallback_latency(trace: FlightTrace, circumstances: Circumstances) -> list[V
     seen = trace.seen | with_doubtful_stamps(trace, circumstances.faults)[:, None]
     unseen = trace.t[:, None] - np.maximum(last_time(seen, trace.t), trace.t[0])
     reported = _as_usual(trace) & ~after_label_swap(trace, circumstances.faults)
-    excess = np.where(reported, unseen - limit - ROUNDING, np.nan)
+    excess = np.where(reported, unseen - limit - SAME_STAMP, np.nan)
     return worst_violations("fallback_latency", trace, excess, (unseen, limit))
 
 

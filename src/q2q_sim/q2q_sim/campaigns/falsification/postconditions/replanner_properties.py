@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.stamps import TICK_S
+from q2q_model.signals.stamps import SAME_STAMP, TICK_S
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_limited_motion_after
@@ -32,8 +32,6 @@ STOP_SLACK = 0.01
 """The replanner goes on with an acceleration for up to `hold` before it stops [m]: 2 m/s^2 within 0.1 s."""
 SLACK = 1e-3
 """Rounding and snapping of setpoints [m]."""
-ROUNDING = 1e-6
-"""Rounding of the time between two stamps [s]."""
 STILL = 1e-3
 """Accelerations that count as none, and their distance from the limit [m/s^2]: limited ones may be equal."""
 
@@ -149,7 +147,7 @@ def acc_held_too_long(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     pos, acc = over_ticks(ticks.setpoints, "pos"), over_ticks(ticks.setpoints, "acc")
     size = np.linalg.norm(acc, axis=2)
     free = (size > STILL) & (size < params.acc_max - STILL)
-    in_order = np.abs(np.diff(ticks.stamp) - TICK_S) < ROUNDING  # a clock that jumps makes shorter ticks
+    in_order = np.abs(np.diff(ticks.stamp) - TICK_S) < SAME_STAMP  # a clock that jumps makes shorter ticks
     same = (acc[1:] == acc[:-1]).all(axis=2) & in_order[:, None] & free[1:]  # (T - 1, n)
     moves = (pos[1:] != pos[:-1]).any(axis=2)
     shifted = over_ticks(ticks.setpoints, "status")[1:] != SetpointStatus.NOMINAL

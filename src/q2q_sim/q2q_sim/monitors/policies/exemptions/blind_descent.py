@@ -16,14 +16,13 @@ from math import nan
 import numpy as np
 
 from q2q_model.signals.masks_over_time import last_row
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import DOWN
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 SINKING_OVER = 0.1
 """Time up to t_d over which v_d is taken [s]: 2 mm of noise are 3 cm/s, and 2.5 cm of height to stop."""
-ROUNDING = 1e-6
-"""Times are differences of stamps [s]."""
 
 
 def ends_blind_descent(trace: FlightTrace, row: int, tick: int, settle: float) -> bool:
@@ -40,7 +39,7 @@ def ends_blind_descent(trace: FlightTrace, row: int, tick: int, settle: float) -
 def _sinking(trace: FlightTrace, row: int, left: int) -> float:
     """Return v_d of a vehicle at a tick [m/s]; NaN if unknown, as in the held state of a lost vehicle."""
     t, pos = trace.t[: left + 1], trace.true_pos[: left + 1, row]
-    since = max(int(np.searchsorted(t, t[left] - SINKING_OVER + ROUNDING, "right")) - 1, 0)
+    since = max(int(np.searchsorted(t, t[left] - SINKING_OVER + SAME_STAMP, "right")) - 1, 0)
     if since == left or (pos[since:] == pos[left]).all():
         return nan
     return float((pos[since, 2] - pos[left, 2]) / (t[left] - t[since]))
