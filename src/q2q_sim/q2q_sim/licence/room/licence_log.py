@@ -92,6 +92,11 @@ class LicenceLog:
     """Of the vehicles, (n,); empty for cf1, cf2, ..."""
 
     @property
+    def tick(self) -> float:
+        """Return the time between ticks [s]: the first one ends at it."""
+        return float(self.t[0])
+
+    @property
     def airborne(self) -> Mask:
         """Return which vehicles are in the air, (T, n)."""
         return np.asarray(self.pos[..., 2] > AIRBORNE)

@@ -23,7 +23,7 @@ def failure_cause(log: LicenceLog, row: int, t: float) -> str:
     ending = _ending(log, row, t)
     if ending is not None:
         return _closed_by_error(log, ending) or ending.words
-    tick = min(round(t / float(log.t[0])), len(log.t) - 1)
+    tick = min(round(t / log.tick), len(log.t) - 1)
     if log.age[tick, row] >= CUT_AFTER_S and log.state[tick, row] in SHUT:
         return _silence(log, row, t)
     ignored = _ignored(log, row, t)
@@ -35,8 +35,7 @@ def failure_cause(log: LicenceLog, row: int, t: float) -> str:
 
 def starved_watchdog(log: LicenceLog, row: int, t: float) -> str:
     """Return that the watchdog of the emergency stop had stopped a vehicle by t [s]; or nothing."""
-    tick = float(log.t[0])
-    shut = np.isin(log.state[: round(t / tick), row], list(SHUT))
+    shut = np.isin(log.state[: round(t / log.tick), row], list(SHUT))
     if not shut.any():
         return ""
     first = int(np.argmax(shut))
@@ -44,7 +43,7 @@ def starved_watchdog(log: LicenceLog, row: int, t: float) -> str:
         return ""
     stopped = float(log.t[first])
     fed = log.last(row, stopped, lambda one: one.asked.kind == CommandKind.WATCHDOG)
-    if fed is None or stopped - fed.t < FED_S - tick:  # it counts from the tick before
+    if fed is None or stopped - fed.t < FED_S - log.tick:  # it counts from the tick before
         return ""
     return f"no other came for {FED_S:.0f} s after {fed.words}"
 

@@ -2,23 +2,24 @@
 
 | rule | broken when |
 |---|---|
-| motors | the motors stop for 0.05 s more than 0.25 m above the floor |
-| landing | a vehicle reaches the floor faster than 2.25 m/s, as after a fall from 0.25 m |
-| room | it leaves the room, or a command or part of a plan leads out, as 0.15 m below the floor |
-| collision | two vehicles touch, within 0.14 m of each other; only a remark if one has lost its link |
-| downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
+| motors | the motors stop for `stopped_s` more than `drop` above the floor |
+| landing | a vehicle reaches the floor faster than `landing` |
+| room | it leaves the room, or a command or part of a plan leads out, as more than `depth` below the floor |
+| collision | two vehicles touch, within `gap` of each other; only a remark if one has lost its link |
+| downwash | two fly within an ellipsoid of `beside` and `below` for `exposed_s`; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |
-| setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
-| spin | it turns faster than 500 deg/s for 0.2 s |
+| setpoints | their age levels a vehicle out again and again |
+| spin | it turns faster than `spin` for `spun_s` |
 | yaw | the high-level commander, whose unit is rad, is asked for more than a turn, half a turn at once |
 | command | it is asked for what no vehicle can follow (client_commands) |
-| end | it still flies 5 s after the end of the program, or at the time limit |
+| end | it still flies well after the end of the program, or at the time limit |
 | program | the program fails, dies, does not end, or opens more vehicles than there are |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
 
-MotionCommander of cflib itself stops the motors 0.1 m above the floor. Between notify_setpoint_stop and the
-command after it the firmware stops them, too, for a packet or two: a fall of millimetres. The ellipsoid is
-that of Hoenig et al., Trajectory Planning for Quadrotor Swarms, IEEE T-RO 2018.
+The limits in code font are those of LicenceLimits. MotionCommander of cflib itself stops the motors 0.1 m
+above the floor. Between notify_setpoint_stop and the command after it the firmware stops them, too, for a
+packet or two: a fall of millimetres. The ellipsoid is that of Hoenig et al., Trajectory Planning for
+Quadrotor Swarms, IEEE T-RO 2018.
 """
 
 from collections.abc import Callable

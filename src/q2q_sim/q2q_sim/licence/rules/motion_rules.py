@@ -24,7 +24,7 @@ GROUND = 0.01
 def motors_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where the motors stop in the air."""
     on, height = log.running[:, row], log.pos[:, row, 2]
-    ticks = round(limits.stopped_s / float(log.t[0]))
+    ticks = round(limits.stopped_s / log.tick)
     ahead = sliding_window_view(np.append(on, np.zeros(ticks, np.bool_)), ticks)  # (T + 1, ticks)
     runs_soon = np.asarray(ahead.any(axis=-1))
     stopped = np.zeros_like(on)
@@ -81,7 +81,7 @@ def tumble_rule(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | Non
 def spin_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where a vehicle turns too fast."""
     spinning = log.airborne[:, row] & (np.abs(log.yaw_rate[:, row]) > limits.spin)
-    tick = first_lasting_tick(spinning, round(limits.spun_s / float(log.t[0])))
+    tick = first_lasting_tick(spinning, round(limits.spun_s / log.tick))
 
     def what(tick: int) -> str:
         rate_deg = math.degrees(abs(float(log.yaw_rate[tick, row])))

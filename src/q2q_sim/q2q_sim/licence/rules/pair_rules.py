@@ -38,7 +38,7 @@ def _exposure(
     i, j = pair
     scaled = apart / np.array([limits.beside, limits.beside, limits.below])
     inside = (np.linalg.norm(scaled, axis=-1) < 1.0) & log.airborne[:, i] & log.airborne[:, j]
-    tick = first_lasting_tick(inside, round(limits.exposed_s / float(log.t[0])))
+    tick = first_lasting_tick(inside, round(limits.exposed_s / log.tick))
     if tick < 0:
         return None
     below, above = (i, j) if apart[tick, 2] < 0.0 else (j, i)
