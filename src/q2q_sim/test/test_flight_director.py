@@ -69,6 +69,21 @@ def test_a_summary_that_is_no_timing_is_refused_with_the_node_that_writes_it(sum
             director.wait_summary(lambda _: None)
 
 
+def test_a_summary_is_refused_where_two_simulators_fly() -> None:
+    said = r"^another simulator flew in this ROS domain \(/flight_summary is written by one, simulator\)"
+    with (
+        own_domain(),
+        FlightDirector(lambda: None) as director,
+        node_of_others("simulator") as ours,
+        node_of_others("one") as stranger,
+    ):
+        for node in (ours, stranger):
+            node.create_publisher(String, "flight_summary", LATCHED)
+        director._on_summary(String(data=timing_as_text(TIMING)))
+        with pytest.raises(ValueError, match=said):
+            director.wait_summary(lambda _: None)
+
+
 def test_a_summary_is_the_timing_of_the_flight() -> None:
     with own_domain(), FlightDirector(lambda: None) as director:
         director._on_summary(String(data=timing_as_text(TIMING)))

@@ -79,6 +79,18 @@ def test_a_flight_whose_bag_is_whole_is_ok(scenario: Path, messages: Messages, t
     assert print_verdict([run]) == 0
 
 
+def test_a_bag_with_vehicles_of_another_simulator_is_not_judged(
+    scenario: Path, messages: Messages, tmp_path: Path
+) -> None:
+    others = scenario.with_name("alone.yaml")
+    document = yaml.safe_load(scenario.read_text())
+    others.write_text(yaml.safe_dump(document | {"vehicles": {"cf2": document["vehicles"]["cf2"]}}))
+    record(messages, tmp_path / "bag")
+    said = r"^another simulator flew in this ROS domain \(vehicles cf1\): set another ROS_DOMAIN_ID$"
+    with pytest.raises(ValueError, match=said):
+        flown_run(others, tmp_path / "bag", tmp_path)
+
+
 def test_a_flight_whose_disk_was_full_is_not_ok_and_says_what_is_missing(
     scenario: Path, messages: Messages, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import monotonic
 
+from q2q_model.counted import first_of
 from q2q_model.signals.stamps import TICK_S
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import with_finding
@@ -20,6 +21,8 @@ from q2q_sim.simulator.flight_clock import FlightTiming
 
 MEASURED = ("mocap", "truth", "truth_interference", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""
+MOST_NAMED = 6
+"""Vehicles of another simulator that are named."""
 
 
 def fly(
@@ -39,7 +42,7 @@ def fly(
         note: called with what the flight waits for, if it begins late.
 
     Raises:
-        ValueError: an unknown scenario, vehicle or parameter.
+        ValueError: an unknown scenario, vehicle or parameter, or another simulator flew in this ROS domain.
         BagError: nothing can be read from the bag.
         NodeDiedError, TimeoutError: a node did not start or ended early.
     """
@@ -66,9 +69,15 @@ def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag
 
     Raises:
         BagError: nothing can be read from the bag.
+        ValueError: vehicles of another simulator are in it.
     """
     scenario, unfinished = load_scenario(request), why_unfinished(bag, folder)
     flight = read_flown(bag, unfinished)
+    if strangers := [name for name in flight.names if name not in scenario.names]:
+        named = ", ".join(first_of(strangers, MOST_NAMED))
+        raise ValueError(
+            f"another simulator flew in this ROS domain (vehicles {named}): set another ROS_DOMAIN_ID"
+        )
     around = Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
     verdict = with_lost_ticks(verdict_of(flight, around, timing.missed_ticks), flight, timing.ticks)
     if unfinished:

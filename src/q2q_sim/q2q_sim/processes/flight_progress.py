@@ -13,6 +13,8 @@ STILL_S = 60.0
 SOURCES = ("/simulator", "/bag_play")
 """Nodes that publish ticks."""
 SUMMARY = f"/{FLIGHT_SUMMARY}"
+DEAD = "_NODE_NAME_UNKNOWN_"
+"""Name of a node that has left, while its publishers still count (rmw_fastrtps)."""
 
 
 class FlightProgress:
@@ -47,6 +49,16 @@ class FlightProgress:
             self._moved_at, self._moved_to = now, self.ticks
         if now - self._moved_at > STILL_S:
             raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self.ticks}; see the nodes' logs")
+
+
+def check_one_simulator(writers: Collection[str]) -> None:
+    """Raise ValueError if more than one node that is there writes summaries."""
+    found = sorted(name for name in writers if name != DEAD)
+    if len(found) > 1:
+        raise ValueError(
+            f"another simulator flew in this ROS domain ({SUMMARY} is written by {', '.join(found)}): "
+            "set another ROS_DOMAIN_ID"
+        )
 
 
 def timing_of_summary(summary: str, writers: Collection[str]) -> FlightTiming:

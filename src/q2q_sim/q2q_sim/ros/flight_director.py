@@ -27,7 +27,7 @@ from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.topic_names import PLAYBACK_OVER
-from q2q_sim.processes.flight_progress import SUMMARY, FlightProgress, timing_of_summary
+from q2q_sim.processes.flight_progress import SUMMARY, FlightProgress, check_one_simulator, timing_of_summary
 from q2q_sim.simulator.flight_clock import FlightTiming
 
 POLL_S = 0.05
@@ -140,13 +140,17 @@ class FlightDirector:
         """Return the flight's timing once it is over; `progress` is called with the ticks flown.
 
         Raises:
-            ValueError: what came on `flight_summary` is no timing; the error names who writes it.
+            ValueError: what came on `flight_summary` is no timing, or nodes of other flights write it, too
+                (not looked for in this process); the error names who writes it.
             TimeoutError: no tick came for STILL_S.
         """
         while (summary := self._progress.summary) is None:
             self._follow()
             progress(self._progress.ticks)
-        return timing_of_summary(summary, self._publishers_of(SUMMARY))
+        writers = self._publishers_of(SUMMARY)
+        if self._started_ros:
+            check_one_simulator(writers)
+        return timing_of_summary(summary, writers)
 
     def wait_drained(self, nodes: Iterable[str]) -> None:
         """Return once every reader has all messages of the nodes, or after DRAIN_S.
