@@ -3,9 +3,6 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_planner.online.replanner import LONGEST_GAP
 
@@ -49,15 +46,3 @@ def still_flown(committed: CommittedMotion | None, t: float) -> CommittedMotion 
     if committed is None or not committed.names or abs(t - committed.t) > LONGEST_GAP:
         return None
     return committed
-
-
-@compiled
-def length(x: float, y: float, z: float) -> float:
-    """Return the length of a vector."""
-    return float(np.sqrt(x * x + y * y + z * z))
-
-
-@compiled
-def distance(some: Array, other: Array, row: int) -> float:
-    """Return the distance of a row of two arrays (n, 3)."""
-    return length(some[row, 0] - other[row, 0], some[row, 1] - other[row, 1], some[row, 2] - other[row, 2])

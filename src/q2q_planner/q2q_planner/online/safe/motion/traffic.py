@@ -16,7 +16,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows, length
+from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.motion.followed_reference import (
     SNAP_POS,
     SNAP_VEL,
@@ -26,7 +26,8 @@ from q2q_planner.online.safe.motion.followed_reference import (
     followed_rows,
     near_rows,
 )
-from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.vectors import length
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 from q2q_planner.online.safe.stopping.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 

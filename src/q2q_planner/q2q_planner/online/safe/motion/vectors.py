@@ -1,0 +1,18 @@
+"""Lengths and distances of vectors, compiled: of three numbers, and of the rows of arrays."""
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+
+
+@compiled
+def length(x: float, y: float, z: float) -> float:
+    """Return the length of a vector."""
+    return float(np.sqrt(x * x + y * y + z * z))
+
+
+@compiled
+def distance(some: Array, other: Array, row: int) -> float:
+    """Return the distance of a row of two arrays (n, 3)."""
+    return length(some[row, 0] - other[row, 0], some[row, 1] - other[row, 1], some[row, 2] - other[row, 2])
