@@ -28,6 +28,7 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoin
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.supervisor.info import Info
 from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
 
 SCENARIO = "table6"
 NAMES = ("cf1", "cf2")
@@ -99,13 +100,18 @@ class Flown:
     links: dict[str, Link] = field(default_factory=dict)
 
 
-def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **given: object) -> Flown:
+def by_radio(
+    monkeypatch: pytest.MonkeyPatch,
+    plan: SwarmPlan | None = None,
+    scenario: Scenario | None = None,
+    **given: object,
+) -> Flown:
     """Return a room whose vehicles `radio` flies over cflib's encoders."""
-    room = ProcedureRoom(library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
-    flown = Flown(room)
+    room = ProcedureRoom(scenario or library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
+    flown, names = Flown(room), room.scenario.names
 
     def link(name: str, _: str, params: Mapping[str, float], __: str) -> Link:
-        row = NAMES.index(name)
+        row = names.index(name)
         wire, firmware = room.wire(row), room.fleet.vehicles[row].firmware
         for parameter, value in params.items():
             firmware.parameters.set(parameter, value)
@@ -116,9 +122,9 @@ def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **g
     monkeypatch.setattr(radio_topics.RadioTopics, "other_radios", lambda _: "")
     monkeypatch.setattr(radio_topics.RadioTopics, "publish", lambda *_: None)
     room.clock(radio_wiring, procedure_services)
-    uris = tuple(f"udp://127.0.0.1:{19850 + k}" for k in range(2))
+    uris = tuple(f"udp://127.0.0.1:{19850 + k}" for k in range(len(names)))
     vehicle = room.scenario.vehicle.name
-    room.start("radio", {"vehicles": NAMES, "uris": uris, "vehicle": vehicle, **given}, RadioNode, {})
+    room.start("radio", {"vehicles": names, "uris": uris, "vehicle": vehicle, **given}, RadioNode, {})
     return flown
 
 

@@ -75,6 +75,18 @@ def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is
     assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
+def test_a_take_off_that_arrives_too_late_to_rest_says_so() -> None:
+    bench = Bench(stuck={Act.TAKE_OFF})
+    bench.call(Call.TAKE_OFF)
+    while Act.TAKE_OFF not in bench.acts:
+        bench.wait(STEP)
+    bench.wait(bench.params.take_off_s + bench.params.step_timeout_s - 0.3)
+    bench.move(HOME + up(0.5))
+    bench.wait(8.0)
+    why = r"cf1 still moves: it has stayed within 0\.05 m of one place for 0\.\d+ s, 0\.5 s are required"
+    assert re.fullmatch(f"take-off failed: {why}; landing", bench.answer().reason)
+
+
 def test_vehicles_are_landed_before_they_are_disarmed_where_a_take_off_is_told_to_have_failed() -> None:
     bench = Bench(refuses={Act.TAKE_OFF: "no answer from all/takeoff"})
     bench.call(Call.TAKE_OFF)

@@ -53,13 +53,17 @@ class FlightProcedureParams:
         0.1, "height below which a vehicle at rest is on the ground", unit="m", low=0.01, high=0.5
     )
     still_speed: float = tunable(
-        0.1, "speed below which a vehicle is at rest", unit="m/s", low=0.005, high=1.0
+        0.1, "mean speed over settle_s below which a vehicle is at rest", unit="m/s", low=0.005, high=1.0
     )
     goal_tolerance: float = tunable(
         0.15, "distance at which a vehicle has reached its setpoint", unit="m", low=0.01, high=1.0
     )
     settle_s: float = tunable(
-        0.5, "time at rest after which a step is completed", unit="s", low=0.0, high=10.0
+        0.5,
+        "time that each vehicle must have rested for a step to be completed",
+        unit="s",
+        low=0.0,
+        high=10.0,
     )
     step_timeout_s: float = tunable(
         5.0, "time beyond the duration of a step after which it has failed", unit="s", low=0.1, high=60.0

@@ -75,11 +75,16 @@ def join_refusal(observation: Observation, params: FlightProcedureParams, landin
 
 def state_refusal(observation: Observation, landing: LandingParams) -> str:
     """Return which vehicle has no fresh state."""
-    for name, age in zip(observation.names, observation.age.tolist(), strict=True):
-        if not age <= landing.stale_s:
-            found = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never measured"
-            return f"{name} has no state younger than {landing.stale_s:g} s ({found}): check motion capture"
-    return ""
+    ages = zip(observation.names, observation.age.tolist(), strict=True)
+    return _first(stale_refusal(name, age, landing.stale_s) for name, age in ages)
+
+
+def stale_refusal(name: str, age: float, stale_s: float) -> str:
+    """Return that a vehicle's state, `age` [s] old, is stale; empty if it is not."""
+    if age <= stale_s:
+        return ""
+    found = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never measured"
+    return f"{name} has no state younger than {stale_s:g} s ({found}): check motion capture"
 
 
 def attitude_refusal(observation: Observation) -> str:

@@ -15,7 +15,7 @@ class ActiveFlight:
 
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
         self.params, self.landing = params, landing
-        self.state = ProcedureState(params.settle_s, params.step_timeout_s)
+        self.state = ProcedureState(params, landing)
         self.stream = SetpointStream(params.setpoint_step_max, params.setpoint_timeout_s)
         self.ground = GroundCheck(params, landing)
         self.lands_after_glide = False

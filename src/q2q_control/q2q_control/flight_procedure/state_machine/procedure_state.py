@@ -2,6 +2,8 @@
 
 from math import inf
 
+from q2q_control.flight_procedure.checks.arrival import Arrival
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Call, Order, Step
 from q2q_model.node.reply import Reply
 
@@ -9,14 +11,16 @@ from q2q_model.node.reply import Reply
 class ProcedureState:
     """Step of a flight, its pending call and order, and queues of orders, replies and log lines."""
 
-    def __init__(self, settle_s: float, step_timeout_s: float) -> None:
-        self._step_timeout_s = step_timeout_s
+    def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
+        self._step_timeout_s = params.step_timeout_s
         self.step = Step.OFFLINE
         self.since = -inf
         """Time at which the step began [s]."""
         self._moving_at = -inf
-        self.settled = SettleTimer(settle_s)
-        """Whether vehicles have long been where the step sends them."""
+        self.arrival = Arrival(params, landing)
+        """Which vehicles are at rest where the step sends them."""
+        self.restarted = SettleTimer(params.settle_s)
+        """Whether vehicles have been restarted for long enough."""
         self.pending: Call | None = None
         """Call that is not answered yet."""
         self.waiting: Order | None = None
@@ -29,14 +33,14 @@ class ProcedureState:
     def enter(self, step: Step, t: float, why: str = "") -> None:
         """Enter a step at time t [s]."""
         self.step, self.since, self._moving_at = step, t, t
-        self.settled.reset()
+        self._restart_timers()
         self.log.append(f"step {step.value}{': ' if why else ''}{why}")
 
     def give(self, order: Order, t: float) -> None:
         """Give an order at time t [s]."""
         self.waiting, self._ordered = order, t
         self._orders.append(order)
-        self.settled.reset()
+        self._restart_timers()
 
     def answer(self, *, granted: bool, reason: str) -> None:
         """Answer the pending call, if there is one."""
@@ -73,6 +77,10 @@ class ProcedureState:
         """Return and clear the log lines."""
         lines, self.log = self.log, []
         return lines
+
+    def _restart_timers(self) -> None:
+        self.arrival.reset()
+        self.restarted.reset()
 
 
 class SettleTimer:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from q2q_control.flight_procedure.checks.arrival import at_height, at_points, heights_text, setpoints_rest
+from q2q_control.flight_procedure.checks.arrival import heights_text, points_at, setpoints_rest
 from q2q_control.flight_procedure.checks.flight_checks import setpoint_refusal
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.state_machine.active_flight import ActiveFlight
@@ -19,8 +19,9 @@ def end_step(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _climb(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    off = at_height(observation, params.ground_height + params.take_off_height, params, flight.landing)
-    if state.settled.update(not off, t):
+    points = points_at(observation, params.ground_height + params.take_off_height)
+    off = state.arrival.update(observation, points, params.goal_tolerance, t)
+    if not off:
         state.enter(Step.HOVER, t)
         state.answer(granted=True, reason=f"hovering: {heights_text(observation)}")
     elif state.late(params.take_off_s, t):
@@ -34,13 +35,15 @@ def _glide(flight: ActiveFlight, observation: Observation, t: float) -> None:
         return
     state, first = flight.state, observation.first_points()
     arrived = setpoints_rest(observation, flight.params, first)
-    off = at_points(observation, first, flight.params, flight.landing)
-    if state.settled.update(arrived and not off, t):
+    if not arrived:
+        state.arrival.reset()
+    off = state.arrival.update(observation, first, flight.params.goal_tolerance, t)
+    if arrived and not off:
         _arrive(flight, observation, t)
     elif not setpoints_rest(observation, flight.params):
         state.moving(t)
     elif state.late(0.0, t):
-        why = off or "the setpoints rest elsewhere than at the first points"
+        why = off if arrived else "the setpoints rest elsewhere than at the first points"
         then = "call land again to land where they are" if flight.lands_after_glide else "holding"
         state.answer(granted=False, reason=f"glide failed: {why}; {then}")
         state.enter(Step.HOLD, t, why)
@@ -84,11 +87,14 @@ def _hold(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    off = at_height(observation, params.ground_height, params, flight.landing, params.near_ground)
-    if state.settled.update(not off, t):
+    points = points_at(observation, params.ground_height)
+    off = state.arrival.update(observation, points, params.near_ground, t)
+    duration = flight.order(Act.LAND, observation).duration
+    to_rest = params.step_timeout_s if state.arrival.there else 0.0
+    if not off:
         state.enter(Step.DISARMING, t)
         flight.give(Act.DISARM, observation, t)
-    elif off and state.pending is Call.LAND and state.late(flight.order(Act.LAND, observation).duration, t):
+    elif state.pending is Call.LAND and state.late(duration + to_rest, t):
         reason = f"not on the ground: {off}; call land again, or emergency"
         state.answer(granted=False, reason=reason)
 
@@ -96,7 +102,7 @@ def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
 def _stopped(flight: ActiveFlight, observation: Observation, t: float) -> None:
     flight.down |= {one.name for one in observation.vehicles if one.locked or not one.connected}
     well = all(one.connected and one.locked is False for one in observation.vehicles)
-    restarted = flight.state.settled.update(well and flight.down >= set(observation.names), t)
+    restarted = flight.state.restarted.update(well and flight.down >= set(observation.names), t)
     if restarted and t - flight.state.since > flight.params.step_timeout_s:
         flight.state.enter(Step.CONNECTED, t, "vehicles were restarted")
 
