@@ -5,6 +5,11 @@
 | lockstep | the command of the tick: the same seed gives the same flight, faster than real time |
 | live | the wall clock, 100 Hz |
 
+Live, the flight begins at once, whether or not other nodes have found this one, and vehicles that get no
+command for 2 s lock their motors. Let it wait for the nodes of the control loop, which must be ready and
+connected first: `-p starts_after:="[mocap_filter, interference, trajectory, replanner, pid]"`. Or give
+`autostart:=false`, and call `~/start` once they run.
+
 In one process with the controller (`q2q_sim.ros.stack`), lockstep runs in bursts of BURST ticks; between them
 the other callbacks of the process run.
 

@@ -26,6 +26,11 @@ from q2q_sim.simulator.simulator_params import SimulatorParams
 
 STALL_CHECK_S = 0.05
 """Period of the check for stalled ticks in lockstep [s]."""
+_LOCKED = (
+    "motors locked by 2 s without a command, or from the start, until one has no thrust: start the simulator "
+    'with -p starts_after:="[mocap_filter, pid]", the nodes that it is to wait for, or with autostart:=false '
+    "and call ~/start"
+)
 
 
 class RoomFlight:
@@ -86,8 +91,7 @@ class RoomFlight:
     def locked(self) -> str:
         """Return which vehicles keep their motors off, why, and what to do; empty if none does."""
         names = self._room.locked if self.is_flying and self._firmware is None and not self.misstamped else ()
-        why = "by 2 s without a command, or from the start, until one has no thrust"
-        return f"{', '.join(names)}: motors locked {why}: start the simulator last" if names else ""
+        return f"{', '.join(names)}: {_LOCKED}" if names else ""
 
     @property
     def misstamped(self) -> str:
