@@ -4,6 +4,7 @@ Each of four accidents that hurt people is played: nothing moves, or the refusal
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,6 +91,36 @@ def test_a_parameter_that_a_vehicle_does_not_hold_refuses_the_take_off(
     assert "cf2: its stabilizer.controller is 1, expected 2" in refusal.reason
     flown.room.wait(1.0)
     assert flown.room.highest() < 0.01
+
+
+def test_firmware_params_of_the_file_of_vehicles_are_set_and_reported(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """They were ignored in silence."""
+    file = tmp_path / "crazyflies.yaml"
+    file.write_text("""
+all: {firmware_params: {ctrlMel: {kp_z: 2.5}, locSrv: {extPosStdDev: 0.002}}}
+robot_types: {heavy: {firmware_params: {ctrlMel: {mass: 0.68}, hlCommander: {vtoff: 0.3}}}}
+robots:
+  cf1: {enabled: true, uri: "udp://127.0.0.1:19850"}
+  cf2:
+    {enabled: true, uri: "udp://127.0.0.1:19851", type: heavy, firmware_params: {hlCommander: {vland: 0.4}}}
+""")
+    given = {"vehicles": (), "uris": (), "crazyflies": str(file), "firmware_params": ("ctrlMel.kp_z=3.0",)}
+    flown = by_radio(monkeypatch, SHORT, mode="setpoint", **given)
+    flown.room.wait(1.5)
+    names = ("ctrlMel.kp_z", "ctrlMel.mass", "hlCommander.vtoff", "hlCommander.vland", "locSrv.extPosStdDev")
+    held = {
+        name: [float(link.firmware.parameters[one]) for one in names] for name, link in flown.links.items()
+    }
+    np.testing.assert_allclose(held["cf2"], [3.0, 0.68, 0.3, 0.4, 0.002], rtol=1e-6)
+    np.testing.assert_allclose(held["cf1"][2:], [0.5, 0.5, 0.002], rtol=1e-6)  # the firmware's own
+    own = "hlCommander.vland=0.4, hlCommander.vtoff=0.3"
+    every = "locSrv.extPosStdDev=0.002, locSrv.extQuatStdDev=0.05, stabilizer.controller=2"
+    assert {
+        f"firmware_params of cf1: ctrlMel.kp_z=3, {every}",
+        f"firmware_params of cf2: ctrlMel.kp_z=3, ctrlMel.mass=0.68, {own}, {every}",
+    } <= set(flown.room.node.lines)
 
 
 def test_calls_at_the_wrong_time_move_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

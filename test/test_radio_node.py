@@ -236,6 +236,16 @@ def test_parameters_of_the_node_are_checked() -> None:
     assert firmware_params(("locSrv.extPosStdDev=1e-3",), "command", poses=True) == {
         **POSE_STD, "locSrv.extPosStdDev": 1e-3,
     }  # fmt: skip
+    of_file = {
+        "stabilizer.controller": 1.0,
+        "locSrv.extPosStdDev": 2e-3,
+        "ctrlMel.mass": 0.045,
+        "ctrlMel.kp_z": 2.5,
+    }
+    assert firmware_params(("ctrlMel.mass=0.05",), "setpoint", poses=True, of_file=of_file) == {
+        **POSE_STD, **of_file, "stabilizer.controller": 2.0, "ctrlMel.mass": 0.05,
+    }  # fmt: skip
+    assert firmware_params((), "command", of_file=of_file) == of_file
     with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
         firmware_params(("nonsense",), "command")
 

@@ -39,6 +39,30 @@ ROBOTS = {
 }
 
 
+def test_each_crazyflie_has_its_firmware_params_over_those_of_its_type_and_of_all() -> None:
+    found = crazyflies_from_document(
+        {
+            "all": {
+                "firmware_params": {"ctrlMel": {"kp_z": 2.5, "mass": 0.03}, "hlCommander": {"vtoff": 0.3}}
+            },
+            "robot_types": {"cf21": {"firmware_params": {"ctrlMel": {"mass": 0.045}}}},
+            "robots": {
+                "cf1": {"enabled": True, "uri": f"{URI}1"},
+                "cf2": {"enabled": True, "uri": f"{URI}2", "type": "cf21"},
+                "cf3": {
+                    "enabled": True,
+                    "uri": f"{URI}3",
+                    "type": "cf21",
+                    "firmware_params": {"ctrlMel": {"mass": 0.05}},
+                },
+            },
+        }
+    )
+    assert [one.firmware_params for one in found] == [
+        {"ctrlMel.kp_z": 2.5, "ctrlMel.mass": mass, "hlCommander.vtoff": 0.3} for mass in (0.03, 0.045, 0.05)
+    ]
+
+
 def test_only_robots_of_a_crazyflies_connection_are_flown() -> None:
     found = crazyflies_from_document({"robots": ROBOTS, "robot_types": TYPES})
     assert [one.name for one in found] == ["cf1"]
@@ -73,6 +97,16 @@ def test_a_robots_own_connection_is_for_the_radio_only_as_crazyswarm2_does_not_r
         (
             {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},
             "same uri",
+        ),
+        (
+            {
+                "cf1": {
+                    "enabled": True,
+                    "uri": "udp://x",
+                    "firmware_params": {"ctrlMel": {"mass": "heavy"}},
+                }
+            },
+            r"firmware_params: ctrlMel\.mass = 'heavy': a number is expected",
         ),
         ({"my cf": {"enabled": True, "uri": "udp://x"}}, "vehicle 'my cf': a name is a letter"),
     ],

@@ -3,9 +3,10 @@
     robots:
       cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
 
-Of other keys, only `firmware_params` is read, whose values the server sets. A robot with `connection: none`,
-its own or its type's, is skipped: it is tracked by motion capture but not flown. Crazyswarm2's servers read
-that of the type only: check_connections refuses a robot's own where they fly.
+Of other keys, only `firmware_params` is read, whose values are set by the server, or by the node `radio` as
+the C++ server does. A robot with `connection: none`, its own or its type's, is skipped: it is tracked by
+motion capture but not flown. Crazyswarm2's servers read that of the type only: check_connections refuses a
+robot's own where they fly.
 """
 
 import math
@@ -36,6 +37,8 @@ class Crazyflie:
     uri: str
     start: Position
     """Initial position [m], world."""
+    firmware_params: Mapping[str, float] = field(default_factory=dict)
+    """Firmware parameters to set, `group.name` -> value."""
 
 
 def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
@@ -101,7 +104,7 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     """
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
     enabled = tuple(
-        Crazyflie(name, robot.uri, robot.initial_position)
+        Crazyflie(name, robot.uri, robot.initial_position, _params_of(fleet, robot))
         for name, robot in fleet.robots.items()
         if fleet.is_flown(robot)
     )
@@ -145,20 +148,29 @@ def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float
 
     Values of the robot override those of its type (if `by_type`: the cflib server sets none of a type), and
     these override those of `all`.
+
+    Raises:
+        ValueError: a value is not a number, or as crazyflies_from_document.
     """
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
-    robot = fleet.robots.get(name, _Robot())
+    return _params_of(fleet, fleet.robots.get(name, _Robot()), by_type=by_type)
+
+
+def _params_of(fleet: _Fleet, robot: _Robot, *, by_type: bool = True) -> dict[str, float]:
+    levels = (fleet.all or _Robot(), fleet.type_of(robot) if by_type else _Robot(), robot)
     return {
-        f"{group}.{parameter}": _as_float(value)
-        for level in (fleet.all or _Robot(), fleet.type_of(robot) if by_type else _Robot(), robot)
+        f"{group}.{parameter}": _as_float(value, f"{group}.{parameter}")
+        for level in levels
         for group, values in (level.firmware_params or {}).items()
         for parameter, value in (values or {}).items()
-        if isinstance(value, int | float)
     }
 
 
-def _as_float(value: float) -> float:
+def _as_float(value: object, name: str) -> float:
     """Return a YAML number; infinite, which no parameter can be, if it exceeds every float."""
+    if not isinstance(value, int | float):
+        given = f"crazyflies.yaml: firmware_params: {name} = {value!r}"
+        raise ValueError(f"{given}: a number is expected")  # noqa: TRY004  the file is wrong
     try:
         return float(value)
     except OverflowError:

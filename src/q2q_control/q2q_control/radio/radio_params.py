@@ -11,7 +11,9 @@ class RadioNodeParams:
     """Parameters of the node itself."""
 
     crazyflies: str = tunable(
-        "", "crazyflies.yaml of Crazyswarm2; empty: `vehicles` and `uris`", read_only=True
+        "",
+        "crazyflies.yaml of Crazyswarm2, whose firmware_params are set, too; empty: `vehicles` and `uris`",
+        read_only=True,
     )
     vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
     uris: tuple[str, ...] = tunable((), "URIs of the vehicles, in the order of `vehicles`", read_only=True)
@@ -28,7 +30,9 @@ class RadioNodeParams:
         STOCK, "firmware of the vehicles, which sets thrust per PWM", choices=FIRMWARES, read_only=True
     )
     firmware_params: tuple[str, ...] = tunable(
-        (), "firmware parameters to set once connected, each `group.name=value`", read_only=True
+        (),
+        "firmware parameters to set once connected, each `group.name=value`; they override those of `crazyflies`",
+        read_only=True,
     )
     toc_cache: str = tunable(
         "", "folder for the vehicles' tables of contents, which shorten later connections", read_only=True

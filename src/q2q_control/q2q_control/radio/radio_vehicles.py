@@ -1,5 +1,6 @@
 """Vehicles of the node `radio`: their links, the pilot, and what each tick sends."""
 
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 
 from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
@@ -43,7 +44,15 @@ class RadioVehicles:
         self._sends_poses = params.places
         vehicle = vehicle_by_name(params.vehicle, params.firmware)
         self._scale = RpytScale(vehicle.full_pwm_thrust)
-        self.links = _open_links(params)
+        crazyflies = _crazyflies(params)
+        self.firmware_params = {
+            one.name: firmware_params(
+                params.firmware_params, params.mode, poses=params.places, of_file=one.firmware_params
+            )
+            for one in crazyflies
+        }
+        """Parameters that are set on each vehicle once it is connected."""
+        self.links = _open_links(crazyflies, self.firmware_params, params.toc_cache)
         hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
         flight, landing = procedure
         self.pilot = RadioPilot(self.links, limits, hover, landing, flight.ground_height)
@@ -93,13 +102,14 @@ class RadioVehicles:
             self.pilot.fly_full_states(tick.setpoint.names, full_states(tick.setpoint, tick.downwash), now)
 
 
-def _open_links(params: RadioNodeParams) -> dict[str, CflibLink]:
+def _open_links(
+    crazyflies: Sequence[Crazyflie], firmware: Mapping[str, Mapping[str, float]], cache: str
+) -> dict[str, CflibLink]:
     """Open all links, or none: if one is refused, those before it are closed."""
-    firmware = firmware_params(params.firmware_params, params.mode, poses=params.places)
     links: dict[str, CflibLink] = {}
     with ExitStack() as opened:
-        for one in _crazyflies(params):
-            links[one.name] = CflibLink(one.name, one.uri, firmware, params.toc_cache)
+        for one in crazyflies:
+            links[one.name] = CflibLink(one.name, one.uri, firmware[one.name], cache)
             opened.callback(links[one.name].close)
         opened.pop_all()
     return links

@@ -1,6 +1,7 @@
 """Firmware parameters to set on a vehicle once connected, and checks that it accepts and holds them."""
 
 import struct
+from collections import defaultdict
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -21,16 +22,19 @@ FLOAT32_ROUNDING = 1e-6
 """Relative; a vehicle stores 24 significant bits."""
 
 
-def firmware_params(entries: tuple[str, ...], mode: str, *, poses: bool = False) -> dict[str, float]:
+def firmware_params(
+    entries: tuple[str, ...], mode: str, *, poses: bool = False, of_file: Mapping[str, float] | None = None
+) -> dict[str, float]:
     """Return the parameters to set on a vehicle.
 
-    Mellinger's controller for full states and POSE_STD where poses are sent; `entries` override them.
+    Each overrides those before it: POSE_STD where poses are sent, those of the file of vehicles, Mellinger's
+    controller for full states, `entries`.
 
     Raises:
         ValueError: an entry is not `group.name=value`.
     """
-    params = {CONTROLLER: MELLINGER} if mode == "setpoint" else {}
-    params |= POSE_STD if poses else {}
+    controller = {CONTROLLER: MELLINGER} if mode == "setpoint" else {}
+    params = (POSE_STD if poses else {}) | dict(of_file or {}) | controller
     for entry in entries:
         name, _, value = entry.partition("=")
         expected = f"firmware_params: {entry!r}: group.name=value is expected"
@@ -41,6 +45,14 @@ def firmware_params(entries: tuple[str, ...], mode: str, *, poses: bool = False)
         except ValueError as wrong:
             raise ValueError(expected) from wrong
     return params
+
+
+def settings_lines(by_vehicle: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Return what is set on which vehicles, one line for all of the same parameters."""
+    vehicles: defaultdict[str, list[str]] = defaultdict(list)
+    for name, params in by_vehicle.items():
+        vehicles[", ".join(f"{key}={value:g}" for key, value in sorted(params.items()))].append(name)
+    return [f"firmware_params of {', '.join(names)}: {text}" for text, names in vehicles.items() if text]
 
 
 @dataclass(frozen=True, slots=True)
