@@ -172,8 +172,9 @@ def test_the_reaches_of_the_sweep_leave_out_no_pair(seed: int) -> None:
     growth = generator.uniform(0.0, 0.2, (30, 2))
     limits = traffic.limits_of(SafeReplannerParams(eps=0.2, tracking=0.02))
     rows = traffic.TrafficRows(pos, vel, growth)
-    found = traffic.interacting_pairs(30, rows, limits)
-    space = StoppingSpace(traffic.stopping_distances(rows, limits), growth)
+    held = generator.uniform(limits.acc, 30.0, 30)
+    found = traffic.interacting_pairs(30, rows, held, limits)
+    space = StoppingSpace(traffic.stopping_distances(rows, held, limits), growth)
     sweep = SweepLimits(30, limits.eps, limits.d, limits.pole, 2.0 * limits.acc)
     every = pairs_by_numpy(pos, vel, space, sweep)
     assert set(zip(found.i.tolist(), found.j.tolist(), strict=True)) == every

@@ -3,7 +3,7 @@
 **Promise.** While a vehicle's status is not PROMISE_BROKEN, its modified trajectory stays, at all times, out
 of the zone I(eps, d) of every other trajectory of the swarm and of every external vehicle; so does a vehicle
 that follows its modified trajectory within `tracking`. A trajectory exceeds `acc_max` only where it equals
-the reference.
+the reference, and for `hold` at most after that.
 
 With `tracking_z` the tolerance is a tube, `tracking` wide and `tracking_z` high: the zone and both tubes are
 kept apart. With `jerk_max` every modified trajectory has bounded jerk and acceleration on every axis,
@@ -29,13 +29,14 @@ nothing is near.
 
 **Proof.** At each tick every vehicle has a motion: an acceleration held for `hold`, then braking to rest
 (`braking`), or with `jerk_max` a jerk held for `hold`, then the fastest stop (`jerk_limited`). All pairs of
-motions are proven to stay apart for all time. A vehicle whose new motion fails against any other continues
-the motion of the previous tick, which was proven and whose rest remains proven against all that do the same;
-so a proven choice always exists. Lost ticks only lead further along a proven motion. Of an external vehicle
-only an older state is known: since then its velocity may have changed by acc_max times the age, so its zone
-grows by 1/2 acc_max age^2, and further at acc_max age per second. Two replanners with delayed messages of
-each other thus keep the promise together: at every tick each proves its motion against every motion the other
-may have chosen at that tick, and any other choice is the rest of a motion proven before.
+motions are proven to stay apart for all time, or cannot reach each other (`broad_phase`). A vehicle whose new
+motion fails against any other continues the motion of the previous tick, which was proven and whose rest
+remains proven against all that do the same; so a proven choice always exists. Lost ticks only lead further
+along a proven motion. Of an external vehicle only an older state is known: since then its velocity may have
+changed by acc_max times the age, so its zone grows by 1/2 acc_max age^2, and further at acc_max age per
+second. Two replanners with delayed messages of each other thus keep the promise together: at every tick each
+proves its motion against every motion the other may have chosen at that tick, and any other choice is the
+rest of a motion proven before.
 
 **Control law.** The tracking law of (20), corrected by control barriers (`barrier`): e'' = -k_d e' - k_p e
 and the least correction along the zone's normal that keeps the pair's approach stoppable (`desired_motion`).

@@ -6,6 +6,9 @@ and may for another `hold`, so its velocity is known within acc_max (A + hold) a
 that times A + hold; neither changes by more than `speed_max` allows; and it may be off its own trajectory by
 `tracking`. The motion that an external vehicle under this law *certainly* flies has less uncertainty: it
 brakes from `hold` after its message on, since any other choice was proven against us.
+
+Without bounded jerk, a vehicle on its reference and in no pair holds its acceleration even beyond acc_max, so
+that one counts in how far it may fly until it rests, as long as it is held.
 """
 
 from dataclasses import dataclass
@@ -132,11 +135,11 @@ def _placed(
         stays = stays & near
     put = near | stays
     _put(there, rows, reference, put)
-    pairs = interacting_pairs(own, there, limits)
+    pairs = interacting_pairs(own, there, _held(there, rows, reference, put, limits), limits)
     if np.any(rows_in_pairs(pairs, len(pos))[:own] & put & ~near):
         put = near
         _put(there, rows, reference, put)
-        pairs = interacting_pairs(own, there, limits)
+        pairs = interacting_pairs(own, there, _held(there, rows, reference, put, limits), limits)
     return put, there, pairs
 
 
@@ -146,6 +149,28 @@ def _put(there: TrafficRows, rows: MotionRows, reference: ReferenceRows, put: Ma
     for row in range(put.size):
         there.pos[row] = reference.pos[row] if put[row] else rows.pos[row]
         there.vel[row] = reference.vel[row] if put[row] else rows.vel[row]
+
+
+@compiled
+def _held(
+    there: TrafficRows, rows: MotionRows, reference: ReferenceRows, put: Mask, limits: TrafficLimits
+) -> Array:
+    """Return the largest acceleration that each row holds, now or on its old motion [m/s^2], (rows,)."""
+    held = np.full(len(there.pos), limits.acc)
+    if limits.jerk_limited:
+        return held
+    for row in range(put.size):
+        if put[row]:
+            held[row] = max(held[row], _size(reference.acc[row]))
+        if rows.hold[row] > 0.0:
+            held[row] = max(held[row], _size(rows.acc[row]))
+    return held
+
+
+@compiled
+def _size(vector: Array) -> float:
+    """Return the length of a vector, (3,)."""
+    return length(vector[0], vector[1], vector[2])
 
 
 @compiled
@@ -178,14 +203,14 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
 
 
 @compiled
-def interacting_pairs(own: int, rows: TrafficRows, limits: TrafficLimits) -> Pairs:
-    """Return the pairs that can affect each other."""
+def interacting_pairs(own: int, rows: TrafficRows, held: Array, limits: TrafficLimits) -> Pairs:
+    """Return the pairs that can affect each other; `held` is as in stopping_distances."""
     count = len(rows.pos)
     if count < 2:
         none = np.zeros(0, np.intp)
         return Pairs(none, none)
     sweep = SweepLimits(own, limits.eps, limits.d, limits.pole, 2.0 * limits.acc)
-    stopping = stopping_distances(rows, limits)
+    stopping = stopping_distances(rows, held, limits)
     return broad_phase(rows.pos, rows.vel, StoppingSpace(stopping, rows.growth), sweep)
 
 
@@ -195,12 +220,15 @@ def _longest_ramps(params: SafeReplannerParams) -> float:
 
 
 @compiled
-def stopping_distances(rows: TrafficRows, limits: TrafficLimits) -> Array:
-    """Return the stopping distance of each row with growth [m], (rows,)."""
+def stopping_distances(rows: TrafficRows, held: Array, limits: TrafficLimits) -> Array:
+    """Return the stopping distance of each row with growth [m], (rows,).
+
+    `held` is the largest acceleration that each holds [m/s^2], (rows,).
+    """
     hold, most, vel = limits.hold + limits.ramps, limits.acc, rows.vel
     fast = np.empty(len(vel))
     for row in range(fast.size):
-        fast[row] = length(vel[row, 0], vel[row, 1], vel[row, 2]) + most * hold
+        fast[row] = _size(vel[row]) + held[row] * hold
     top, rate = float(fast.max()), 2.0 * float(rows.growth[:, 1].max())
     rest = hold + (top + rate) / most
     stopping: Array = fast * (hold + 0.5 * fast / most) + rows.growth[:, 0] + rows.growth[:, 1] * rest
