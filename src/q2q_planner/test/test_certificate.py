@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from numpy.polynomial import Polynomial
 
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.signals.values import Array
@@ -15,6 +16,7 @@ from q2q_planner.offline.certificate import certificate
 from q2q_planner.offline.certificate.branch_and_bound import TOLERANCE
 from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import ConvexZone, zone_around
+from q2q_planner.offline.certificate.rounding_bound import rounding_slack
 from q2q_planner.offline.certificate.shared_pieces import shared_pieces, split_at
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -54,6 +56,40 @@ def test_a_search_that_ends_at_the_first_contact_judges_as_the_whole_one_does(zo
     proofs = [(certify(plan, zone), certify(plan, zone, enough=0.0)) for plan in map(random_plan, range(12))]
     assert {whole.holds for whole, _ in proofs} == {True, False}
     assert all(short == whole if whole.holds else short.clearance == -np.inf for whole, short in proofs)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.integers(0, 10**6), st.sampled_from(((0.6, -0.8, 0.0), (0.0, 0.0, -1.0))))
+def test_the_clearance_along_a_line_is_that_of_the_extrema(seed: int, unit: tuple[float, ...]) -> None:
+    """Of a polynomial of degree 7 it is the least at ends and roots of the derivative, to 10 um."""
+    generator = np.random.default_rng(seed)
+    along, length = generator.normal(scale=0.1, size=8), generator.uniform(0.5, 2.0)
+    along[0] += 4.0
+    place = generator.normal(scale=0.1, size=(1, 4, 8))
+    moved = place.copy()
+    moved[0, :3] += np.multiply.outer(unit, along)
+    curves = tuple(Trajectory(np.array([length]), one) for one in (place, moved))
+    p = Polynomial(along)
+    roots = p.deriv().roots()
+    real = roots.real[(abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < length)]
+    least = p(np.array([0.0, length, *real])).min() - (1.1 if unit[2] else 0.1)
+    assume(least > 0.0)
+    proof = certify(SwarmPlan(("cf1", "cf2"), curves), Cylinder(0.1, 1.1))
+    assert least - 2.0 * TOLERANCE <= proof.clearance <= least
+
+
+@pytest.mark.parametrize("far", [0.0, 1e5])
+def test_a_clearance_is_less_than_the_distance_by_what_rounding_may_be(far: float) -> None:
+    """Of vehicles at rest the bound is their distance; far from the origin positions are coarser."""
+    place = np.zeros((1, 4, 1))
+    place[0, :3, 0] = far, -1.0, 0.5
+    other = place.copy()
+    other[0, :2, 0] += 3.0, -4.0
+    curves = tuple(Trajectory(np.array([2.0]), one) for one in (place, other))
+    slack = rounding_slack(curves)
+    assert slack > (1e-9 if far else 0.0)
+    proof = certify(SwarmPlan(("cf1", "cf2"), curves), Cylinder(0.1, 1.1))
+    assert proof.clearance == pytest.approx(4.9 - slack, abs=1e-13)
 
 
 def test_a_pass_between_samples_is_not_missed() -> None:

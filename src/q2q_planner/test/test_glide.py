@@ -16,6 +16,21 @@ def here(*rows: tuple[float, float, float]) -> Array:
     return np.array([(*row, 0.0) for row in rows])
 
 
+@pytest.mark.parametrize(("yaw", "turn"), [(3.0, 2.0 * np.pi - 5.0), (-3.0, 1.0), (-1.4, -0.6)])
+def test_a_glide_begins_and_ends_at_its_points_and_turns_the_short_way(yaw: float, turn: float) -> None:
+    """It ends at a yaw of -2 rad, less than half a turn from the first, which counts up to full turns."""
+    starts = np.array([[2.0, -1.0, 0.3, yaw], [1.4, 0.2, 0.4, 0.3]])
+    ends = np.array([[1.1, -1.5, 1.2, -2.0], [1.9, 0.6, 0.9, -0.5]])
+    first, second = glide(NAMES, starts, ends, GlideParams()).trajectories
+    assert starts[0, 3] == yaw  # the caller's array
+    begin, end = first.at(np.array([0.0, first.duration]))
+    np.testing.assert_allclose(begin[:3], starts[0, :3], atol=1e-12)
+    assert begin[3] - yaw == pytest.approx(2.0 * np.pi * round((begin[3] - yaw) / (2.0 * np.pi)), abs=1e-12)
+    assert end[3] - begin[3] == pytest.approx(turn)
+    np.testing.assert_allclose(end, ends[0], atol=1e-9)
+    np.testing.assert_allclose(second.at(np.array([0.0, second.duration])), [starts[1], ends[1]], atol=1e-9)
+
+
 def test_a_glide_ends_where_it_should_is_as_slow_as_told_and_certified() -> None:
     ends = here((1.0, 0.0, 1.0), (0.0, 1.0, 1.5))
     plan = glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), ends, GlideParams())
@@ -25,6 +40,14 @@ def test_a_glide_ends_where_it_should_is_as_slow_as_told_and_certified() -> None
     np.testing.assert_allclose([curve.at(t[-1:])[0] for curve in plan.trajectories], ends, atol=1e-9)
     assert plan.certified
     assert certify(plan, Cylinder(0.2, 1.1)).holds
+
+
+@pytest.mark.parametrize("turn", [2.0, -2.0])
+def test_a_turn_on_the_spot_keeps_its_yaw_rate(turn: float) -> None:
+    start, end = np.array([[[2.0, -1.0, 1.0, 0.7]], [[2.0, -1.0, 1.0, 0.7 + turn]]])
+    plan = glide(("cf1",), start, end, GlideParams(glide_s=0.1))
+    rates = plan.trajectories[0].at(np.linspace(0.0, plan.duration, 1001), 1)[:, 3]
+    assert abs(rates).max() == pytest.approx(1.5, rel=1e-5)
 
 
 def test_lines_that_cross_are_flown_one_after_another() -> None:

@@ -97,6 +97,17 @@ def test_a_jump_between_ends_that_count_as_one_time_is_part_of_the_bound() -> No
     assert rounding_bound([one, Trajectory(np.array([1.0, 1.0]), late)]) < ROUNDING
 
 
+def test_what_a_vehicle_flies_between_ends_that_count_as_one_time_is_part_of_the_bound() -> None:
+    """At 4 km/s half a nanosecond is 2 um an axis."""
+    flying = np.zeros((2, 4, 2))
+    flying[:, 1, 1] = -4e3
+    flying[1, 1, 0] = -4e3 * (1.0 + 5e-10)  # no jump
+    ends = np.array([1.0 + 5e-10, 1.0])
+    still = Trajectory(np.array([1.0, 1.0]), np.zeros((2, 4, 1)))
+    bound = rounding_bound([still, Trajectory(ends, flying)])
+    assert bound == pytest.approx(2.0 * np.sqrt(3.0) * 2e-6, rel=1e-4)  # of 4 km one bit is 1e-12
+
+
 @pytest.mark.parametrize(
     ("coefficients", "duration"),
     [
