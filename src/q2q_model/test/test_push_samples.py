@@ -1,5 +1,6 @@
 """The rule by which rows of a flight count, and their score."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from q2q_model.identification.push.push_samples import (
     known_rows,
     push_samples,
     score,
+    scored_rows,
     unmeasured_note,
 )
 from q2q_model.signals.values import Array
@@ -136,3 +138,20 @@ def test_vehicles_that_feel_nothing_at_all_leave_r2_undefined() -> None:
     found = score(NoInteraction(), push_samples(record(passing(), np.zeros(1000))))
     assert found.n > 0
     assert (found.r2_exposed, found.r2_ahead_20ms, found.rmse_exposed_mps2) == (None, None, 0.0)
+
+
+def test_rows_of_many_vehicles_take_no_memory_for_all_pairs_at_once() -> None:
+    ticks, n = 200, 100
+    pos = np.ones((ticks, n, 3))
+    pos[..., 0], pos[..., 1] = np.divmod(np.arange(n), 10)
+    motion = Motion(np.linspace(0.0, 2.0, ticks), pos, np.zeros_like(pos), np.zeros_like(pos))
+    good = np.ones((ticks, n), dtype=bool)
+    made = PushRecord("made", tuple(f"cf{i}" for i in range(n)), motion, np.zeros((ticks, n)), good, ~good)
+    tracemalloc.start()
+    try:
+        rows = scored_rows(made)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert all(one.free.all() and not one.exposed.any() for one in rows)
+    assert most < ticks * n * n * 8  # bytes of one distance for every pair and tick

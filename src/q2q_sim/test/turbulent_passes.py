@@ -97,7 +97,7 @@ def recorded(plan: TrackedFlight, make: MakeDraw) -> TrackedFlight:
     everywhere = np.ones(pos.shape[:2], dtype=bool)
     motion = Motion(plan.t, pos, vel, rotate(quat, UP))
     pushes = PushRecord("passes", NAMES, motion, np.zeros(pos.shape[:2]), everywhere, ~everywhere)
-    rows = [scored_rows(pushes, i) for i in range(2)]
+    rows = scored_rows(pushes)
     exposed, free = (np.stack([getattr(row, what) for row in rows], axis=1) for what in ("exposed", "free"))
     thrust = flown.thrust[0]
     return replace(plan, pos=pos, vel=vel, quat=quat, thrust=thrust, exposed=exposed, free=free)

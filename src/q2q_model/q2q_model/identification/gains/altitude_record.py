@@ -71,9 +71,11 @@ def flight_numbers(records: Sequence[AltitudeRecord]) -> list[int]:
 
 def in_clear_air(record: AltitudeRecord, distance: float) -> Mask:
     """Return the ticks at which no other vehicle is within a horizontal distance [m], (T, n)."""
-    rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
-    apart = np.hypot(rel[..., 0], rel[..., 1]) > distance
-    return np.asarray((apart | np.eye(len(record.names), dtype=np.bool_)).all(axis=2))
+    clear = np.empty(record.pos.shape[:2], dtype=np.bool_)
+    for i in range(len(record.names)):
+        rel = np.delete(record.pos, i, axis=1) - record.pos[:, i : i + 1]  # (T, n - 1, 3)
+        clear[:, i] = (np.hypot(rel[..., 0], rel[..., 1]) > distance).all(axis=1)
+    return clear
 
 
 def decimate(record: AltitudeRecord, every: int) -> AltitudeRecord:

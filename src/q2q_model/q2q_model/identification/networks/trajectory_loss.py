@@ -88,10 +88,12 @@ class LossValue:
 
 def active_samples(record: AltitudeRecord, reach: tuple[float, float]) -> Rows:
     """Return the samples in which some pair is within reach, (S,)."""
-    i, j = np.nonzero(~np.eye(len(record.names), dtype=np.bool_))
-    rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
-    near = (np.hypot(rel[..., 0], rel[..., 1]) < reach[0]) & (np.abs(rel[..., 2]) < reach[1])
-    return np.nonzero(near.any(axis=1))[0]
+    active = np.zeros(record.t.size, dtype=np.bool_)
+    for i in range(len(record.names)):
+        rel = record.pos[:, i + 1 :] - record.pos[:, i : i + 1]  # (T, n - 1 - i, 3)
+        near = (np.hypot(rel[..., 0], rel[..., 1]) < reach[0]) & (np.abs(rel[..., 2]) < reach[1])
+        active |= near.any(axis=1)
+    return np.nonzero(active)[0]
 
 
 def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> FlightTerms:
@@ -106,8 +108,8 @@ def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float,
     record = decimate(record, every) if every > 1 else record
     n = len(record.names)
     i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
-    rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
-    across, active = np.hypot(rel[..., 0], rel[..., 1]), active_samples(record, reach)
+    active = active_samples(record, reach)
+    rel = record.pos[active][:, j] - record.pos[active][:, i]  # (S, p, 3)
     free = undisturbed(record, loop)
     r = record.deviation - free
     h = impulse_response(loop, record.dt, record.t.size)
@@ -118,8 +120,8 @@ def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float,
         name=record.name,
         i=i,
         j=j,
-        across=across[active],
-        dz=rel[active, :, 2],
+        across=np.hypot(rel[..., 0], rel[..., 1]),
+        dz=rel[..., 2],
         free=(record.ref[..., 0] + free)[active],
         H=K[active],
         G=K.T @ K,

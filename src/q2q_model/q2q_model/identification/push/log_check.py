@@ -46,8 +46,8 @@ def _exposed_pushes(one: Recording, vehicle: Vehicle) -> list[Array]:
     if one.log is None or not has_push_columns(one.log) or sensed is None or logged is None:
         return []
     found = []
-    for i in range(len(logged.names)):
-        rows, both = scored_rows(logged, i), sensed.measured[:, i]
+    for i, rows in enumerate(scored_rows(logged)):
+        both = sensed.measured[:, i]
         free, exposed = rows.free & both, rows.exposed & both
         if free.sum() >= FEWEST_FREE:
             pushes = np.stack([logged.push[:, i], sensed.push[:, i]])

@@ -99,8 +99,7 @@ class PushScore:
 def push_samples(record: PushRecord) -> list[PushSamples]:
     """Return the samples of every vehicle with enough free rows."""
     found = []
-    for i in range(len(record.names)):
-        rows = scored_rows(record, i)
+    for i, rows in enumerate(scored_rows(record)):
         if rows.free.sum() >= FEWEST_FREE:
             y = record.push[:, i] - np.median(record.push[rows.free, i])
             found.append(PushSamples(record.name, record.motion, i, y, rows.usable, rows.exposed, rows.upper))
@@ -152,13 +151,17 @@ class ScoredRows:
     upper: Mask
 
 
-def scored_rows(record: PushRecord, i: int) -> ScoredRows:
-    """Return the rows of vehicle i."""
+def scored_rows(record: PushRecord) -> list[ScoredRows]:
+    """Return the rows of every vehicle."""
+    return [_rows_of_vehicle(record, i, known) for i, known in enumerate(known_rows(record).T)]
+
+
+def _rows_of_vehicle(record: PushRecord, i: int, known: Mask) -> ScoredRows:
     others = [j for j in range(len(record.names)) if j != i]
     pos = record.motion.pos
     rel = pos[:, others] - pos[:, i : i + 1]
     across, dz = np.hypot(rel[..., 0], rel[..., 1]), rel[..., 2]
-    usable = known_rows(record)[:, i] & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
+    usable = known & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
     above = (across < APART) & (dz > 0.0)
     over = (across < OVER) & (dz > -OVER_GAPS[1]) & (dz < -OVER_GAPS[0])
     return ScoredRows(
@@ -171,10 +174,12 @@ def scored_rows(record: PushRecord, i: int) -> ScoredRows:
 
 def known_rows(record: PushRecord) -> Mask:
     """Return where a vehicle was measured, and every other that is not away, (T, n)."""
-    pos = record.motion.pos
-    across = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)
-    away = _absent(record)[:, None, :] & (across > ABSENT_APART)
-    return np.asarray((record.measured[:, None, :] | away).all(axis=2))
+    across, absent = record.motion.pos[..., :2], _absent(record)
+    known = np.empty_like(record.measured)
+    for i in range(len(record.names)):  # not all at once: (T, n, n) of 100 vehicles is gigabytes
+        apart = np.linalg.norm(across - across[:, i : i + 1], axis=-1) > ABSENT_APART  # (T, n)
+        known[:, i] = (record.measured | (absent & apart)).all(axis=1)
+    return known
 
 
 def _absent(record: PushRecord) -> Mask:

@@ -113,7 +113,7 @@ def _agreements(flight: Flight, vehicle: Vehicle) -> list[_Agreement]:
     record = push_of_sensors(flight, vehicle, vehicle.thrust_lag)
     if found is None or record is None:
         return []
-    free = [scored_rows(record, i).free for i in range(len(flight.names))]
+    free = [rows.free for rows in scored_rows(record)]
     felt = found.specific_force
     lift = felt - record.push
     return [

@@ -47,9 +47,12 @@ def largest_gap(records: Sequence[AltitudeRecord]) -> float:
 
 def _gaps(record: AltitudeRecord) -> Array:
     """Return the height differences at which a vehicle is under another [m]."""
-    rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
-    gap = np.abs(rel[..., 2])
-    return gap[(np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0])]
+    found = [np.empty(0)]
+    for i in range(len(record.names)):
+        rel = record.pos[:, i + 1 :] - record.pos[:, i : i + 1]  # (T, n - 1 - i, 3)
+        gap = np.abs(rel[..., 2])
+        found.append(gap[(np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0])])
+    return np.concatenate(found)
 
 
 def is_lower(record: AltitudeRecord) -> list[bool]:

@@ -92,10 +92,9 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         raise ValueError(
             f"flight {flight.name} cannot be flown again: references, states and thrust commands are needed"
         )
-    rows = [scored_rows(pushes, i) for i in range(len(flight.names))]
     usable, exposed, free = (
         np.stack(masks, axis=1)
-        for masks in zip(*((row.usable, row.exposed, row.free) for row in rows), strict=True)
+        for masks in zip(*((row.usable, row.exposed, row.free) for row in scored_rows(pushes)), strict=True)
     )
     grid = flying_grid(flight)
     nearest, there = _nearest_rows(flight.t, grid)

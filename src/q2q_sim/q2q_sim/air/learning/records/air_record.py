@@ -183,10 +183,11 @@ def _filled(t: Array, values: Array) -> Array:
 
 def rows_alone(pos: Array, distance: float) -> Mask:
     """Return the rows with every neighbour farther than `distance` [m] horizontally, (T, n)."""
-    n = pos.shape[1]
-    across: Array = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)
-    across[:, np.arange(n), np.arange(n)] = np.inf
-    return np.asarray((across > distance).all(axis=2))
+    alone = np.empty(pos.shape[:2], dtype=np.bool_)
+    for i in range(pos.shape[1]):
+        rel = np.delete(pos, i, axis=1)[..., :2] - pos[:, i : i + 1, :2]  # (T, n - 1, 2)
+        alone[:, i] = (np.linalg.norm(rel, axis=-1) > distance).all(axis=1)
+    return alone
 
 
 def _thrust_ratio(thrust: Array, clear: Mask, measured: Mask) -> Array:
