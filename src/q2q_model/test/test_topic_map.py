@@ -21,6 +21,9 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path) -> None:
         ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
         ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
         ("rename: {a: b}", "maps nothing"),
+        ("vehicles: {a: /p, b: /p}", "topic /p is given for vehicles.a and vehicles.b; give each its own"),
+        ("vehicles: {a: /p}\nreferences: {a: /p}", "/p is given for vehicles.a and references.a; give"),
+        ("poses: /p\nreferences: {a: /p}", "topic /p is given for references.a and poses; give each"),
         (
             "references: {a: /b}\nsignals: {reference: /r}",
             "references and signals: reference are both mapped",

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.bag.foreign.clock_offset import clock_remarks
+from q2q_model.bag.foreign.header_frames import check_frames
 from q2q_model.bag.foreign.mapped_poses import mapped_frames, rows_by_vehicle, sorted_rows
 from q2q_model.bag.foreign.pose_messages import POSITION, SETPOINTS
 from q2q_model.bag.foreign.references import References, with_references
@@ -24,7 +25,8 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     """Return the flight in a bag by a topic map; NaN where nothing was recorded.
 
     Raises:
-        BagError: no bag, a mapped topic missing or of a wrong type, damage, clocks without overlap.
+        BagError: no bag, a mapped topic missing or of a wrong type, damage, several coordinate frames, clocks
+            without overlap.
     """
     source, channels = mapped_channels(path, topic_map)
     signals: dict[str, Sequence[Signal]] = {
@@ -38,6 +40,7 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
         vehicle: References(table[:, 0], table[:, 1:4], table[:, 8:11], table[:, 11:])
         for vehicle, (table, _) in sorted_rows(source, rows, "references").items()
     }
+    check_frames(source, channels, topic_map)
     try:
         joined = flight_from_signals(flight_name(path), signals)
         flight, pauses = with_references(joined.flight, given)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from q2q_model.bag.foreign.clock_offset import clock_remarks
+from q2q_model.bag.foreign.header_frames import check_frames
 from q2q_model.bag.foreign.mapped_flight import mapped_channels
 from q2q_model.bag.foreign.mapped_poses import mapped_frames
 from q2q_model.bag.foreign.topic_map import TopicMap
@@ -38,7 +39,9 @@ class MappedBag:
         """Repairs needed to read the bag, one sentence each."""
         if topic_map.vehicles or topic_map.poses:
             frames, repairs = mapped_frames(source, channels, topic_map)
-            repairs += clock_remarks(source, channels, replace(topic_map, references={}))
+            of_poses = replace(topic_map, references={})
+            check_frames(source, channels, of_poses)
+            repairs += clock_remarks(source, channels, of_poses)
             self.repairs += tuple(f"bag {path}: {repair}" for repair in repairs)
             for frame in frames:
                 kind = f"q2q_msgs/msg/{LAYOUTS[type(frame)].message}"

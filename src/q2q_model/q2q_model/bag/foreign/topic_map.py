@@ -11,14 +11,17 @@ signals:                  # also or instead: topics of q2q_msgs under other name
   command: /room/command
 stamps: header            # of poses and references; or receive, if their headers have no stamps
 tolerance_s: 0.005        # poses captured within this time form one frame
+frames: [world, map]      # only if headers have several names of one and the same coordinate frame
 """
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from q2q_model.bag.storage.errors import BagError
+from q2q_model.counted import first_of
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.nearest_name import name_hint
@@ -26,6 +29,8 @@ from q2q_model.signals.topic_names import TICK_TOPICS
 
 TOLERANCE_S = 0.005
 """Half a period of VICON at 100 Hz [s]."""
+MOST_KEYS = 3
+"""Most keys of a topic in an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +50,11 @@ class TopicMap:
     stamps: Literal["header", "receive"] = "header"
     """Time of poses and references is the stamp of the header, or of the recorder; signals have their own."""
     tolerance_s: float = TOLERANCE_S
+    frames: tuple[str, ...] = ()
+    """Names of the one coordinate frame of poses and references; empty if all headers have the same."""
 
     def __post_init__(self) -> None:
-        """Raise ValueError, with what is allowed, if nothing is mapped or a topic is none of q2q."""
+        """Raise ValueError, with what is allowed, if nothing, no topic of q2q, or a topic twice is mapped."""
         if not 0.0 <= self.tolerance_s <= 1.0:
             raise ValueError(f"tolerance_s = {self.tolerance_s}: allowed is 0 to 1 s")
         for topic in self.signals:
@@ -66,6 +73,22 @@ class TopicMap:
             )
         if not (self.vehicles or self.poses or self.signals):
             raise ValueError("it maps nothing; give vehicles, poses or signals")
+        for topic, keys in self._keys_of_topics().items():
+            if len(keys) > 1:
+                raise ValueError(
+                    f"topic {topic} is given for {' and '.join(first_of(keys, MOST_KEYS))}; give each its "
+                    "own: only `poses` has several vehicles in a topic"
+                )
+
+    def _keys_of_topics(self) -> dict[str, list[str]]:
+        """Return the keys at which each topic of poses and references stands."""
+        found: defaultdict[str, list[str]] = defaultdict(list)
+        for section, topics in (("vehicles", self.vehicles), ("references", self.references)):
+            for vehicle, topic in topics.items():
+                found[topic].append(f"{section}.{vehicle}")
+        if self.poses:
+            found[self.poses].append("poses")
+        return found
 
     @property
     def by_header(self) -> bool:
