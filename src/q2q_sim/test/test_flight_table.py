@@ -56,6 +56,11 @@ def test_a_lone_vehicle_has_plain_columns_and_nothing_where_nothing_is_logged() 
         ),
         ({name: values[:1] for name, values in table_columns().items()}, "has 1 row; a flight has 2 or more"),
         ({"t": 10.0 * np.arange(40)}, r"t steps by 10, 0\.5 s is the maximum: is it in seconds\?"),
+        (
+            {"t": 2.0**31 + np.arange(40) * 0.01},
+            r"t ends at 2147483648 s, and stamps are below 2147397248 s \(32 bits\): subtract the first t",
+        ),
+        ({"t": np.append(np.arange(39) * 0.01, np.inf)}, "t ends at inf s, and stamps are below"),
         ({"cf50_z": np.full(40, 1000.0)}, "x, y, z of cf50 reach 1000 in the median, 50 m is the maximum"),
         ({"cf50_zref": np.full(40, 1000.0)}, "x, y, z of the reference of cf50 reach 1000 in the median"),
         ({"cf50_x": None, "cf51_x": None}, "neither x, y, z nor <vehicle>_x, _y, _z"),
@@ -65,6 +70,12 @@ def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], mes
     columns = {name: change.get(name, values) for name, values in table_columns().items()}
     with pytest.raises(ValueError, match=message):
         flight_table({name: values for name, values in columns.items() if values is not None})
+
+
+@pytest.mark.parametrize("name", ["1", "v" * 101, "é"])
+def test_a_vehicle_with_a_name_that_begins_no_topic_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match="a name is a letter, then letters, digits and _, at most 100"):
+        flight_table(vectors("cf1_", f"{name}_"))
 
 
 def test_another_vector_of_a_lone_vehicle_is_no_vehicle(

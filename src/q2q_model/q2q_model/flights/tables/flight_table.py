@@ -17,6 +17,7 @@ from q2q_model.counted import counted
 from q2q_model.flights.tables.table_vehicles import AXES, vehicle_prefixes
 from q2q_model.flights.units_and_frames.unit_check import check_metres
 from q2q_model.geometry.rotations import normalised, quat_from_euler
+from q2q_model.signals.stamps import END_S
 from q2q_model.signals.values import Array, Mask, Names
 
 POS, QUAT, VEL, RATE = AXES, ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
@@ -85,10 +86,15 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
 
 
 def _check_units(table: FlightTable) -> None:
-    """Raise ValueError for times, positions or angles that are not in s, m or rad."""
+    """Raise ValueError for times, positions or angles that are not in s, m or rad, or no stamp can hold."""
     step = float(np.median(np.diff(table.t)))
     if step > LONGEST_STEP:
         raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the maximum: is it in seconds?")
+    if not table.t[-1] < END_S:
+        raise ValueError(
+            f"t ends at {table.t[-1]:.10g} s, and stamps are below {END_S} s (32 bits): subtract the first t "
+            "from all"
+        )
     check_metres(table.names, table.vectors(POS))
     if table.has(REF):
         check_metres(tuple(f"the reference of {name}" for name in table.names), table.vectors(REF))

@@ -1,12 +1,13 @@
 """Files of tables: Parquet and CSV."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from q2q_model.signals.values import Array
+from q2q_model.signals.vehicle_name import LONGEST_SHOWN
 
 TABLES = (".parquet", ".csv")
 """Suffixes of tables."""
@@ -28,7 +29,7 @@ def read_columns(path: Path) -> Mapping[str, Array]:
     try:
         table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
         _check_names(table.column_names)
-        return {name: np.asarray(table[name].to_numpy(), dtype=np.float64) for name in table.column_names}
+        return {name: _numbers(name, table[name].to_numpy()) for name in table.column_names}
     except (ArrowException, ValueError) as damage:
         raise ValueError(f"{path} is not a table of numbers: {damage}") from damage
 
@@ -36,3 +37,11 @@ def read_columns(path: Path) -> Mapping[str, Array]:
 def _check_names(columns: Sequence[str]) -> None:
     if twice := sorted(name for name, times in Counter(columns).items() if times > 1):
         raise ValueError(f"it has these columns more than once: {', '.join(twice)}")
+
+
+def _numbers(name: str, values: Collection[object]) -> Array:
+    """Return a column as float64; raise ValueError, which names it, for texts, structs and lists."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as wrong:
+        raise ValueError(f"column {name[:LONGEST_SHOWN]}: {wrong}") from wrong

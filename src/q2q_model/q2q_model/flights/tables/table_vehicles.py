@@ -43,6 +43,7 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
     for name in placed:
         owner = next((other for other in placed if name.startswith(f"{other}_")), None)
         if owner is None:
+            check_vehicle_name(name)
             found[name] = f"{name}_"
         else:
             _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
