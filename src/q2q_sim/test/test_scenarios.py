@@ -1,6 +1,7 @@
 """Scenarios load, mean what the paper says, and refuse what is wrong by name."""
 
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -269,7 +270,25 @@ def test_an_override_too_large_for_a_float_is_refused() -> None:
         scenario_from_document("mine", GOOD | {"overrides": {"pid": {"k_p_z": 10**400}}})
 
 
-@pytest.mark.parametrize(("given", "read"), [(None, ""), ("", ""), ("one line", "one line"), (12, "12")])
+def test_a_wrong_override_is_shown_in_a_few_characters() -> None:
+    for wrong in ("x" * 10**6, ["a"] * 10**6, {"k": ["v" * 10**6]}):
+        for key in ("k_p_z", "thrust_max"):
+            with pytest.raises(
+                ValueError, match=rf"^overrides\.pid\.{key} = .{{0,40}}: a number is expected$"
+            ):
+                scenario_from_document("mine", GOOD | {"overrides": {"pid": {key: wrong}}})
+
+
+def test_a_description_that_is_a_list_or_a_mapping_is_refused() -> None:
+    for wrong in (["one"] * 10**6, {"one": "line"}):
+        with pytest.raises(ValueError, match=r"^description = .{0,40}: text is expected$"):
+            scenario_from_document("mine", GOOD | {"description": wrong})
+
+
+@pytest.mark.parametrize(
+    ("given", "read"),
+    [(None, ""), ("", ""), ("one line", "one line"), (12, "12"), (date(2026, 1, 2), "2026-01-02")],
+)
 def test_a_description_that_is_left_empty_is_empty(given: object, read: str) -> None:
     assert scenario_from_document("mine", GOOD | {"description": given}).description == read
 

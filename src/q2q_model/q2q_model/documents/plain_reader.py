@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from math import inf, isfinite
-from reprlib import Repr
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
@@ -20,6 +19,7 @@ from cattrs.gen import make_dict_structure_fn, override
 
 from q2q_model.counted import first_of
 from q2q_model.documents.numpy_values import without_numpy
+from q2q_model.documents.shown_value import shown_value
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Array
 
@@ -29,10 +29,6 @@ Hook = Callable[[Any, Any], Any]
 
 MOST = 3
 """Most mistakes in an error."""
-LONGEST = 32
-"""Most characters of a wrong value in an error."""
-_REPR = Repr()
-_REPR.maxdict, _REPR.maxlist, _REPR.maxstring, _REPR.maxlong = 3, 4, LONGEST, LONGEST
 
 
 class _Key:
@@ -79,7 +75,7 @@ def _mistakes(error: Exception, path: str, kind: object) -> Iterator[str]:
             yield from _mistakes(one, f"{path}{step}".lstrip("."), note.type)
     elif isinstance(error, _UnexpectedError):
         expected = get_args(kind)[1] if _origin(kind) is Annotated else error.expected
-        given = _shown(error.value)
+        given = shown_value(error.value)
         yield f"{path} = {given}: {expected} is expected" if path else f"got {given}, expected {expected}"
     elif isinstance(error, ForbiddenExtraKeysError):
         known = _keys(error.cl)
@@ -91,11 +87,6 @@ def _mistakes(error: Exception, path: str, kind: object) -> Iterator[str]:
         yield f"{path and f'{path}: '}{error}"
     else:
         raise error
-
-
-def _shown(value: object) -> str:
-    text = _REPR.repr(value)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
 
 @cache

@@ -1,12 +1,12 @@
 """Parameters of the blocks of a flight, with the values that a scenario gives in place of the defaults."""
 
-import reprlib
 from collections.abc import Mapping
 from typing import TypeVar
 
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.documents.numpy_values import without_numpy
+from q2q_model.documents.shown_value import shown_value
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.nearest_name import name_hint
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
@@ -76,14 +76,14 @@ def _value(value: object, default: object, where: str) -> ParameterValue:
         return _number(value, where)
     if isinstance(value, bool | int | str) and type(value) is type(default):
         return value
-    raise ValueError(f"{where} = {value!r}: a {type(default).__name__} is expected")
+    raise ValueError(f"{where} = {shown_value(value)}: a {type(default).__name__} is expected")
 
 
 def _number(value: object, where: str) -> float:
     value = without_numpy(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
+        raise ValueError(f"{where} = {shown_value(value)}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
     try:
         return float(value)
     except OverflowError as error:  # an integer beyond 1e308
-        raise ValueError(f"{where} = {reprlib.repr(value)}: a finite number is expected") from error
+        raise ValueError(f"{where} = {shown_value(value)}: a finite number is expected") from error

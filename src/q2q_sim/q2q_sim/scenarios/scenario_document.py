@@ -22,9 +22,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from datetime import date
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.documents.shown_value import shown_value
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
@@ -93,7 +95,7 @@ def scenario_from_document(
     check_sizes(given.faults)
     own = Scenario(
         name=name,
-        description="" if given.description is None else str(given.description),
+        description=_description(given.description),
         duration=last if given.duration is None else given.duration,
         vehicle=vehicle,
         waypoints=waypoints,
@@ -115,6 +117,13 @@ def scenario_from_document(
         return own
     in_air = scenario_from_document(name, document_in_air(document), load_plan)
     return replace(own, in_air=in_air, as_written=own)
+
+
+def _description(given: object) -> str:
+    """Return a description: a number or a date in YAML is one, and a key without a value is empty."""
+    if given is not None and not isinstance(given, str | int | float | date):
+        raise ValueError(f"description = {shown_value(given)}: text is expected")
+    return "" if given is None else str(given)
 
 
 def document_in_air(document: object) -> dict[str, object]:
