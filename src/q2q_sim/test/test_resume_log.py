@@ -69,7 +69,7 @@ def test_a_last_line_without_its_end_is_removed_and_flown_again(tmp_path: Path) 
     assert read_entries(tmp_path / "none.jsonl", number_of) == []
 
 
-@pytest.mark.parametrize("line", ['{"n": "x"}', "{", ""])
+@pytest.mark.parametrize("line", ['{"n": "x"}', "{", "", "[" * 100_000])
 def test_a_wrong_line_with_its_end_is_refused_wherever_it_is(tmp_path: Path, line: str) -> None:
     log = tmp_path / "log.jsonl"
     for text in (f'{{"n": 1}}\n{line}\n', f'{{"n": 1}}\n{line}\n{{"n": 3}}\n'):
@@ -77,6 +77,15 @@ def test_a_wrong_line_with_its_end_is_refused_wherever_it_is(tmp_path: Path, lin
         with pytest.raises(ValueError, match=r"log.jsonl, line 2: .*; remove the line, or the file"):
             read_entries(log, number_of)
         assert log.read_text() == text
+
+
+def test_a_file_that_is_nested_too_deeply_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "numbers.json"
+    file.write_text("[" * 100_000)
+    with pytest.raises(ValueError, match=r"numbers\.json is not an ablation .*remove it, or give another"):
+        read_numbers(file, 4)
+    with pytest.raises(ValueError, match=r"numbers\.json has no numbers of flights .*remove it, or give"):
+        fill_robustness.read(file)
 
 
 def test_a_second_ablation_into_a_file_is_refused_until_the_first_ends(

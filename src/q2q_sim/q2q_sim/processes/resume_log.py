@@ -60,7 +60,7 @@ def read_entries(log: Path, entry_from: Callable[[Mapping[str, object]], Entry])
     for number, line in enumerate(lines, start=1):
         try:
             found.append(entry_from(json.loads(line)))
-        except ValueError as wrong:
+        except (ValueError, RecursionError) as wrong:
             raise ValueError(
                 f"{log}, line {number}: {wrong}; remove the line, or the file to start again"
             ) from wrong

@@ -79,7 +79,7 @@ def read_numbers(file: Path, draws: int) -> Numbers:
         found = Numbers(int(body["draws"]), airs={str(k): list(v) for k, v in body["airs"].items()})
         found.models = {family: _models(texts) for family, texts in body["models"].items()}
         found.flights = {name: np.array(rows, dtype=np.float64) for name, rows in body["flights"].items()}
-    except (KeyError, TypeError, AttributeError, ValueError) as wrong:
+    except (KeyError, TypeError, AttributeError, ValueError, RecursionError) as wrong:
         raise ValueError(f"{file} is not an ablation ({wrong}): remove it, or give another --json") from wrong
     if found.draws != draws:
         raise ValueError(

@@ -35,7 +35,7 @@ class PaperCache:
             outcome = ExperimentOutcome(
                 kept["values"], tuple(FigurePicture(*one) for one in kept["pictures"])
             )
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
         whole = all((self.folder(name) / Path(one.file).name).is_file() for one in outcome.pictures)
         return outcome if whole else None

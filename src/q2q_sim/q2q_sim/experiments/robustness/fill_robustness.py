@@ -105,7 +105,7 @@ def read(file: Path) -> KeptNumbers:
         body = json.loads(file.read_text(encoding="utf-8"))
         draws = FlightDraws(*body.pop(DRAWS)) if DRAWS in body else None
         return KeptNumbers({str(name): Errors(*map(_error, row)) for name, row in body.items()}, draws)
-    except (AttributeError, TypeError, ValueError) as wrong:
+    except (AttributeError, TypeError, ValueError, RecursionError) as wrong:
         raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
 
 
