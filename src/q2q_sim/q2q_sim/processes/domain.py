@@ -48,5 +48,5 @@ def _first_free(domains: Sequence[int]) -> tuple[int, socket]:
             return domain, claim(f"ROS domain {domain}")
     asked = f"{domains[0]}" if len(domains) == 1 else f"{domains[0]} to {domains[-1]}"
     raise ValueError(
-        f"other flights on this machine use ROS domain {asked}: end one, or set another {DOMAIN}"
+        f"ROS domain {asked} is in use by another flight on this machine: end it, or set another {DOMAIN}"
     )
