@@ -79,6 +79,14 @@ def test_a_flight_whose_bag_is_whole_is_ok(scenario: Path, messages: Messages, t
     assert print_verdict([run]) == 0
 
 
+def test_a_flight_whose_bag_ends_early_is_not_ok_and_says_when(
+    scenario: Path, messages: Messages, tmp_path: Path
+) -> None:
+    record([one for one in messages if one[1] < 1_300_000_000], tmp_path / "bag")
+    run = flown_run(scenario, tmp_path / "bag", tmp_path)
+    assert str(run.verdict) == "the flight ended at 1.3 s of 4.0 s, before its end"
+
+
 def test_a_bag_with_vehicles_of_another_simulator_is_not_judged(
     scenario: Path, messages: Messages, tmp_path: Path
 ) -> None:

@@ -10,7 +10,7 @@ from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import with_finding
 from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.monitors.policies import Circumstances
-from q2q_sim.monitors.recording_end import with_lost_ticks
+from q2q_sim.monitors.recording_end import with_lost_ticks, with_planned_end
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun
@@ -83,4 +83,6 @@ def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag
     if unfinished:
         flown = timing.ticks * TICK_S
         verdict = with_finding(verdict, end_of_bag(bag, flight, flown, unfinished))
+    else:
+        verdict = with_planned_end(verdict, flight, f"{scenario.duration}")
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing, bag, verdict)
