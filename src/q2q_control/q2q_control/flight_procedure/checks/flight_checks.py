@@ -147,7 +147,7 @@ def _vehicle_refusal(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
         return _lock_refusal(one)
     if np.isnan(one.volt) and params.voltage_start > 0.0:
-        return f"{one.name} does not report its battery: log it, or set voltage_start to 0"
+        return f"{one.name} does not report its battery: wait for its first report; if none comes, log it"
     if one.volt < params.voltage_start:
         return f"{one.name} has {one.volt:.2f} V: {params.voltage_start:.2f} V is the minimum to start with"
     return f"{one.name}: {one.wrong}" if one.wrong else ""
