@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from played_room import ABOVE, GROUND, PLAN, PlayedRoom, frame
+from played_room import ABOVE, GROUND, PLAN, STEP, PlayedRoom, frame
 
 from q2q_model.signals.values import MocapFrame
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -22,8 +22,30 @@ def test_while_it_waits_the_reference_is_where_the_vehicles_are_seen() -> None:
 def test_a_vehicle_missing_from_a_frame_rests_where_it_was_last_seen() -> None:
     player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
     player.update(frame(0.0, GROUND))
-    alone = MocapFrame(0.1, PLAN.names[:1], ABOVE[:1], np.array([[0.0, 0.0, 0.0, 1.0]]))
-    np.testing.assert_array_equal(player.update(alone).pos, [ABOVE[0], *GROUND[1:]])
+    near = GROUND[:1] + 0.1
+    alone = MocapFrame(0.1, PLAN.names[:1], near, np.array([[0.0, 0.0, 0.0, 1.0]]))
+    np.testing.assert_array_equal(player.update(alone).pos, [*near, *GROUND[1:]])
+
+
+def test_the_reference_follows_no_outlier_but_a_vehicle_that_is_put_elsewhere() -> None:
+    room = PlayedRoom()
+    room.tick(0.1)
+    for outlier in (np.array([1.0, -1.0, 0.5]), np.array([-0.5, 1.5, 1.0])):
+        room.pos = GROUND + np.array([outlier, np.zeros(3)])
+        np.testing.assert_array_equal(room.tick().pos, GROUND)
+    room.pos = GROUND
+    np.testing.assert_array_equal(room.tick(5 * STEP).pos, GROUND)
+    room.pos = ABOVE
+    np.testing.assert_array_equal(room.tick().pos, GROUND)
+    np.testing.assert_array_equal(room.tick().pos, ABOVE)
+
+
+def test_the_reference_follows_a_clock_that_is_set_back() -> None:
+    room = PlayedRoom()
+    room.tick(0.1)
+    for k in range(20):
+        last = room.player.update(frame(1.0 + STEP * k, ABOVE))
+    np.testing.assert_array_equal(last.pos, ABOVE)
 
 
 def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:

@@ -4,15 +4,15 @@
                               |                                        |
                               +------------ hold: braking, rest <------+
 
-While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion: nothing would
-keep vehicles in flight where they are, and `wait` is refused while one is at its reference. After a low
-flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
-reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
-newest stamp, whatever late frames come after it, or ones far ahead; in play, frames that are off by more than
-SET_BACK_S get the last reference under their stamps. If the clock steps by more, or frames pause,
-what was called (a glide, a start, a hold) goes on from there, and so does a plan that began with the first
-tick; but that begins again with a clock that was set back, unless it comes back from a step ahead
-(q2q_model.signals.clock_resets). A plan with a given start keeps to its stamps.
+While waiting (`wait`), the reference follows the measured vehicles, but not outliers of one frame: it
+commands no motion. Nothing would keep vehicles in flight where they are, and `wait` is refused while one is
+at its reference. After a low flight one that has landed is there, too: `wait_landed` is for callers that know
+it has. Calls never make the reference jump: a glide starts where it rests, the plan starts where the glide
+has ended. They act at the newest stamp, whatever late frames come after it, or ones far ahead; in play,
+frames that are off by more than SET_BACK_S get the last reference under their stamps. If the clock steps by
+more, or frames pause, what was called (a glide, a start, a hold) goes on from there, and so does a plan that
+began with the first tick; but that begins again with a clock that was set back, unless it comes back from a
+step ahead (q2q_model.signals.clock_resets). A plan with a given start keeps to its stamps.
 """
 
 from dataclasses import dataclass, replace
@@ -26,14 +26,12 @@ from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.plan_playback.braked_plan import brake_plan
 from q2q_planner.plan_playback.glide import GlideParams, glide, wrap_angles
-from q2q_planner.plan_playback.measured_poses import MeasuredPoses
+from q2q_planner.plan_playback.measured_poses import SEEN_AT_REST, MeasuredPoses, RestingReference
 
 AT_FIRST = 1e-3
 """Largest distance of the reference from the first points at which the plan may start [m]."""
 AT_REST = 1e-3
 """Speed [m/s] and yaw rate [rad/s] below which the reference is at rest."""
-SEEN_AT_REST = 2.0
-"""Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
 FLOWN_WITHIN = 0.25
 """Distance from its reference within which a vehicle is taken to fly at it [m]."""
 
@@ -74,10 +72,10 @@ class PlanPlayer:
         self.played = Played(plan, start) if start >= 0.0 else None
         """None while waiting."""
         self._measured = MeasuredPoses(plan.names)
+        self._resting = RestingReference(plan.names)
         self._last: SwarmSetpoint | None = None  # at the newest stamp
         self._order = StampOrder()
         self._ahead = 0.0  # the last step ahead [s]; 0 once the clock was set back
-        self._apart = 0.0  # speed of the waiting reference since the tick before [m/s]
 
     def update(self, frame: MocapFrame) -> SwarmSetpoint:
         """Return the reference at a frame.
@@ -96,9 +94,11 @@ class PlanPlayer:
             return replace(last, t=frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
-        setpoint = self._measured.reference(frame.t) if self.played is None else _at(self.played, frame.t)
+        if self.played is None:
+            setpoint = self._resting.update(self._measured.all_poses(), frame.t, is_late=is_late)
+        else:
+            setpoint = _at(self.played, frame.t)
         if not is_late:
-            self._apart = _speed(self._last, setpoint) if self.played is None else 0.0
             self._last = setpoint
         return setpoint
 
@@ -110,6 +110,8 @@ class PlanPlayer:
 
     def wait_landed(self) -> Reply:
         """Wait, for a caller that has found all vehicles on the ground."""
+        if self.played is not None:
+            self._resting.reset()
         self.played, self._wait = None, True
         return Reply(granted=True, reason="waiting")
 
@@ -186,8 +188,8 @@ class PlanPlayer:
         if max(speed[row], turn[row]) > AT_REST:
             state = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s and {turn[row]:.2f} rad/s"
             return Reply(granted=False, reason=f"{state}: hold first")
-        if self._apart > SEEN_AT_REST:
-            state = f"a measured position has moved at {self._apart:.1f} m/s"
+        if self.played is None and self._resting.speed > SEEN_AT_REST:
+            state = f"a measured position has moved at {self._resting.speed:.1f} m/s"
             return Reply(granted=False, reason=f"{state} since the frame before: keep the vehicles at rest")
         return np.column_stack([last.pos, last.yaw])
 
@@ -207,13 +209,6 @@ class PlanPlayer:
 
     def _now(self) -> float:
         return 0.0 if self._last is None else self._last.t
-
-
-def _speed(before: SwarmSetpoint | None, now: SwarmSetpoint) -> float:
-    """Return the largest speed from one waiting reference to the next [m/s]; 0 without one before."""
-    if before is None or now.t <= before.t:
-        return 0.0
-    return float(np.linalg.norm(now.pos - before.pos, axis=1).max()) / (now.t - before.t)
 
 
 def _at(played: Played, t: float) -> SwarmSetpoint:
