@@ -200,7 +200,7 @@ def test_a_parameter_that_was_changed_in_flight_is_logged_with_both_values(
     MADE.append(node)
     params = declare(node, PidParams(k_p_z=6.0), "law.", in_flight=True)
     on_change(node, params, Pid(params, TEXTBOOK_065).configure, "law.")
-    node.set_parameters([Given("law.k_p_z", value=7.0), Given("law.k_p_z", value=-1.0)])
+    node.set_parameters([Given("law.k_p_z", value=value) for value in (7.0, -1.0, 7.0)])
     lines = [line.partition("]: ")[2] for line in capfd.readouterr().err.splitlines() if "k_p_z" in line]
     assert lines == ["law.k_p_z is 7.0 now, was 6.0"]
 

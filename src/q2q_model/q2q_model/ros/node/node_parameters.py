@@ -99,7 +99,8 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
         except ValueError as refusal:
             return SetParametersResult(successful=False, reason=str(refusal))
         for name, value in overrides.items():
-            node.get_logger().info(f"{prefix}{name} is {value} now, was {getattr(current[0], name)}")
+            if value != (before := getattr(current[0], name)):
+                node.get_logger().info(f"{prefix}{name} is {value} now, was {before}")
         current[0] = asked
         return SetParametersResult(successful=True)
 
