@@ -1,15 +1,16 @@
 // Colours that colour-blind people tell apart (q2q_model.palette, after Okabe and Ito).
 
+// Darker first: a lighter blue is nearly the sky blue of the palette.
 const TINTS = [
   [0, "#000000"],
-  [0.4, "#ffffff"],
   [0.4, "#000000"],
+  [0.4, "#ffffff"],
 ];
 
 export const CALM_AIR = "#56b4e9";
 export const PUSHING_AIR = "#d55e00";
 
-/** Return the colour of a vehicle; after all of a palette, the same ones lighter, then darker. */
+/** Return the colour of a vehicle; after all of a palette, the same ones darker, then lighter. */
 export function tinted(palette, vehicle) {
   const [share, tint] = TINTS[Math.floor(vehicle / palette.length) % TINTS.length];
   return mixed(palette[vehicle % palette.length], tint, share);
