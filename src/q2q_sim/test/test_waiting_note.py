@@ -9,7 +9,7 @@ def test_a_long_wait_is_noted_after_a_while_and_then_periodically() -> None:
     noted = {now: said for now in times if (said := note.update(waiting, now))}
     assert list(noted) == [100.0 + FIRST_S]
     assert note.update(waiting, 100.0 + FIRST_S + AGAIN_S)
-    assert noted[100.0 + FIRST_S] == "waiting for the nodes for 10 s: pid has not answered"
+    assert noted[100.0 + FIRST_S] == "waiting for the nodes for 5 s: pid has not answered"
 
 
 def test_a_note_names_three_and_counts_the_others() -> None:

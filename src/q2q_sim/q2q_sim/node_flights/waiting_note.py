@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from q2q_model.counted import first_of
 
-FIRST_S = 10.0
+FIRST_S = 5.0
 """Wait after which the first note is due [s]: the nodes of a small flight start in less."""
 AGAIN_S = 30.0
 """Period of the notes after it [s]."""
