@@ -53,7 +53,9 @@ def test_a_flight_in_another_frame_is_doubted(
     bag = bag_of(tmp_path / "room", turned, LEVEL[[3, 0, 1, 2]] if frame == "w x y z" else LEVEL)
     main, out = TOOLS[tool]
     assert main([str(bag), "--vehicle", "crazyflie_2_0", "--out", str(tmp_path / out)]) == 0
-    notes = [line for line in capsys.readouterr().err.splitlines() if f"{tool}: flight room: " in line]
+    said = capsys.readouterr().err
+    notes = [line for line in said.splitlines() if f"{tool}: flight room: " in line]
+    assert said.count("flight room: ") == len(notes)
     assert len(notes) == bool(expected)
     assert all(expected in note for note in notes)
 

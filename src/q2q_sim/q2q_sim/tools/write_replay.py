@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +48,8 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     recording = recording_of_table(path) if is_table else recording_of_bag(path, topics)
     flown = _vehicle(path, args.vehicle, is_table=is_table)
     whole = recording.flight
-    for note in filter(None, (flown.note, *frame_notes(whole))):
+    notes = [note for note in (flown.note, *frame_notes(whole)) if note]
+    for note in notes:
         print(f"replay_page: {note}", file=sys.stderr)
     check_weight(whole, flown.vehicle)
     part = part_of_flight(whole, args.start, args.end)
@@ -57,15 +59,19 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     if part.t[-1] == whole.t[-1] and not is_table:
         verdict = with_end(verdict, whole, facts.duration, is_cut=BagReader(path).is_cut)
     run = in_air(replay_run(part, flown.vehicle, name, verdict, whole), facts.flown_air)
-    return with_measured_downwash(run, lambda: measured_push(recording, flown.vehicle))
+    return with_measured_downwash(run, lambda: measured_push(recording, flown.vehicle, notes))
 
 
-def measured_push(recording: Recording, vehicle: Vehicle) -> PushRecord | None:
-    """Return a flight's measured push; None, with a note, if it is not that of the vehicle."""
+def measured_push(recording: Recording, vehicle: Vehicle, said: Collection[str] = ()) -> PushRecord | None:
+    """Return a flight's measured push; None, with a note, if it is not that of the vehicle.
+
+    The reason is left out of the note if it was `said` before.
+    """
     try:
         return push_record(recording, vehicle, vehicle.thrust_lag)
     except ValueError as unfit:
-        print(f"replay_page: no downwash is shown: {unfit}", file=sys.stderr)
+        why = "" if str(unfit) in said else f": {unfit}"
+        print(f"replay_page: no downwash is shown{why}", file=sys.stderr)
         return None
 
 
