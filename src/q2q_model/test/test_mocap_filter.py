@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from mocap_frames import (
     COAST_S,
     COASTING,
+    IDEAL_SENSING,
     LOST,
     PAIR,
     TRACKED,
@@ -20,7 +21,7 @@ from mocap_frames import (
 
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.estimation.mocap_filter import MocapFilter
-from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply
 from q2q_model.signals.values import MocapFrame
 

@@ -7,6 +7,7 @@ import pytest
 from mocap_frames import (
     COAST_S,
     COASTING,
+    IDEAL_SENSING,
     LOST,
     PAIR,
     TRACKED,
@@ -18,7 +19,7 @@ from mocap_frames import (
 )
 
 from q2q_model.estimation.mocap_filter import MocapFilter
-from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.estimation.nominal_frame import RECENT
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import MocapFrame, TrackStatus

@@ -91,10 +91,6 @@ class MocapFilterParams:
         check_bounds(self)
 
 
-IDEAL_SENSING = MocapFilterParams(position_noise=0.0, rate_filter_s=0.0)
-"""For noise-free simulated mocap: positions pass through, velocities are accurate to 4e-5 m/s."""
-
-
 def track_params(params: MocapFilterParams) -> TrackParams:
     """Return the parameters of the position tracks."""
     return TrackParams(*(getattr(params, name) for name in TrackParams._fields))
