@@ -19,9 +19,6 @@ from q2q_sim.campaigns.random_runs.run_outcome import RunOutcome, from_document,
 from q2q_sim.campaigns.random_runs.through_nodes import NodeFlights
 from q2q_sim.processes.resume_log import exclusive_log, read_entries
 
-LEFT_BY_DEATH = "died"
-"""Description of runs that earlier campaigns kept as crashes where any process died: they are flown again."""
-
 
 def run(args: Namespace) -> int:
     """Fly the requested campaign; return 1 if a policy is violated.
@@ -63,9 +60,7 @@ def _finished(log: Path, air: str, by_nodes: Container[int], seeds: Sequence[int
     runs = read_entries(log, from_document)
     _reject_other_air(log, runs, air)
     return {
-        one.seed: one
-        for one in runs
-        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes) and one.what != LEFT_BY_DEATH
+        one.seed: one for one in runs if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
     }
 
 

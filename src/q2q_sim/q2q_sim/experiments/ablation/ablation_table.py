@@ -38,8 +38,7 @@ medians over draws, each with its own noise, losses, gusts, turbulence and vehic
 **Models and air share no flight.** In `room` and `recorded`, learned from the flights dc21, the models are
 learned from dc19; in `ring`, `heavy_tailed`, `bent` and `meandering`, of other forms than the models and as
 strong as a law fitted to dc19, from dc21. `paper` is the exception: the controllers know its law, and it is
-not judged. The models were fitted before 2026-11-30; `identify` of that day on gives peaks of downwash that
-differ by at most 0.5 %.
+not judged.
 
 **Thrust.** The vehicles have the thrust of the firmware of the recorded flights (`stock_2025_02`: 0.59 N,
 1.76 times the weight; recorded are 1.81 and 1.95). An RPYT setpoint, which is what the ground sends, carries

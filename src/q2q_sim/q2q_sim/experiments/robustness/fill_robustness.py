@@ -36,8 +36,7 @@ class KeptNumbers(NamedTuple):
     """Numbers of flights in a file."""
 
     errors: Mapping[str, Errors]
-    draws: FlightDraws | None
-    """None in files of before 2026-11-28."""
+    draws: FlightDraws
 
 
 def run(given: Namespace) -> int:
@@ -60,14 +59,15 @@ def run(given: Namespace) -> int:
 
 
 def _present(given: Namespace) -> dict[str, Errors]:
-    """Return the numbers in the file; raise ValueError if they are of other draws."""
-    numbers, asked = read(given.json), FlightDraws(given.draws, given.seed)
-    kept = numbers.draws or asked
-    if kept != asked:
+    """Return the numbers in the file, none without one; raise ValueError if they are of other draws."""
+    if not given.json.is_file():
+        return {}
+    errors, kept = read(given.json)
+    if kept != FlightDraws(given.draws, given.seed):
         raise ValueError(
             f"{given.json} is of --draws {kept.each} --seed {kept.seed}: give these, or another file"
         )
-    return dict(numbers.errors)
+    return dict(errors)
 
 
 def _filled(flights: Sequence[PerturbedFlight], given: Namespace) -> dict[str, Errors]:
@@ -94,18 +94,16 @@ def asked_flights(airs: Sequence[str], draws: int, seed: int) -> list[PerturbedF
 
 
 def read(file: Path) -> KeptNumbers:
-    """Return the numbers in a file, none if there is no file.
+    """Return the numbers in a file.
 
     Raises:
         ValueError: the file has another form.
     """
-    if not file.is_file():
-        return KeptNumbers({}, None)
     try:
         body = json.loads(file.read_text(encoding="utf-8"))
-        draws = FlightDraws(*body.pop(DRAWS)) if DRAWS in body else None
+        draws = FlightDraws(*body.pop(DRAWS))
         return KeptNumbers({str(name): Errors(*map(_error, row)) for name, row in body.items()}, draws)
-    except (AttributeError, TypeError, ValueError, RecursionError) as wrong:
+    except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as wrong:
         raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
 
 
@@ -115,7 +113,7 @@ def _error(number: float | None) -> float:
 
 def save(numbers: KeptNumbers, file: Path) -> None:
     """Replace a file by these numbers [m], null if unknown, a line for each flight after their draws."""
-    rows = [f" {json.dumps(DRAWS)}: {json.dumps(numbers.draws)}"] if numbers.draws else []
+    rows = [f" {json.dumps(DRAWS)}: {json.dumps(numbers.draws)}"]
     rows += [
         f" {json.dumps(name)}: {json.dumps(with_nulls([float(f'{x:.5g}') for x in errors]))}"
         for name, errors in numbers.errors.items()
