@@ -56,7 +56,7 @@ def test_a_recording_is_cut_and_pasted_with_its_variance() -> None:
 def test_wind_and_offsets_have_their_sizes() -> None:
     own = VehicleTerm(0.2, 0.1, 0.07, headroom=2.0, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     air = RoomAir(wind=WindTerm((0.3, -0.2, 0.1), gust_std_mps2=0.05, gust_time_s=0.2), vehicle=own)
-    ambient = ambient_of_air(air, 2000, 0.01, seed=3)
+    ambient = ambient_of_air(air, 2000, seed=3)
     pushes = np.array([ambient.drive()[:, :3] for _ in range(50)])
     # 2000 draws: 2 % of a deviation for the mean, 1.6 % for the deviation; five times that
     np.testing.assert_allclose(pushes.mean(axis=(0, 1)), [0.3, -0.2, 0.1 + 0.2], atol=0.012)

@@ -77,11 +77,7 @@ class Room:
         self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
         self._imu = Imu(scenario.imu, n, seed)
         replaced = scenario.air or air is not None
-        self._ambient = (
-            ambient_of_air(flown, n, TICK_S, seed)
-            if replaced
-            else ambient_of_scenario(scenario, TICK_S, seed)
-        )
+        self._ambient = ambient_of_air(flown, n, seed) if replaced else ambient_of_scenario(scenario, seed)
         self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
         self._radio = Radio(_with_camera_latency(scenario), hover, vehicle, seed)

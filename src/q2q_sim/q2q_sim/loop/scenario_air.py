@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.lookup.find_air import FlownAir, find_air
 from q2q_sim.air.room_air import RoomAir
@@ -52,8 +53,8 @@ class AmbientDisturbance:
         return downwash + self.disturbance.wind if self.recorded else downwash
 
 
-def ambient_of_air(air: FlownAir, count: int, tick: float, seed: int) -> AmbientDisturbance:
-    """Return the disturbance of `count` vehicles in an air; `tick` is the period of its gusts [s]."""
+def ambient_of_air(air: FlownAir, count: int, seed: int) -> AmbientDisturbance:
+    """Return the disturbance of `count` vehicles in an air."""
     own, mean, params = None, STILL, gusts_of(air)
     if isinstance(air, RoomAir):
         own = air.vehicle
@@ -61,7 +62,7 @@ def ambient_of_air(air: FlownAir, count: int, tick: float, seed: int) -> Ambient
             mean = air.wind.mean_mps2
     drawn = stream(seed, "vehicle offset").standard_normal(count)
     offset = np.zeros(count) if own is None else own.offset_mean_mps2 + own.offset_std_mps2 * drawn
-    return AmbientDisturbance(Disturbance(params, count, tick, seed, mean), offset, recorded=True)
+    return AmbientDisturbance(Disturbance(params, count, TICK_S, seed, mean), offset, recorded=True)
 
 
 def gusts_of(air: FlownAir) -> DisturbanceParams:
@@ -71,7 +72,7 @@ def gusts_of(air: FlownAir) -> DisturbanceParams:
     return DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
 
 
-def ambient_of_scenario(scenario: Scenario, tick: float, seed: int) -> AmbientDisturbance:
+def ambient_of_scenario(scenario: Scenario, seed: int) -> AmbientDisturbance:
     """Return a scenario's own disturbance; it is not part of the recorded push."""
     n = len(scenario.names)
-    return AmbientDisturbance(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), recorded=False)
+    return AmbientDisturbance(Disturbance(scenario.disturbance, n, TICK_S, seed), np.zeros(n), recorded=False)

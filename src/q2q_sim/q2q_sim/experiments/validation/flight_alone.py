@@ -112,7 +112,7 @@ def flown_positions(flight: FlightAlone, rows: Array, vehicle: Vehicle, air: Flo
     yaw = yaw_from_quat(flight.quat)
     swarm = Swarm(("cf1",), vehicle, np.append(flight.pos[0], yaw)[None], air, seed)
     swarm.state[0, VEL], swarm.state[0, QUAT] = flight.vel, flight.quat
-    ambient = ambient_of_air(air, 1, TICK, seed)
+    ambient = ambient_of_air(air, 1, seed)
     airframe = airframe_in(swarm, vehicle)
     controllers = fresh_controllers(airframe, 1)._replace(gains=Parameters(airframe).gains()[None])
     pos = np.empty((len(rows), 3))

@@ -122,7 +122,7 @@ def _unpredicted_push(run: Run, ticks: RunTicks) -> Array:
     """
     if run.scenario.air:
         return over_ticks(ticks.pushes, "acc")[..., :2]
-    ambient = ambient_of_scenario(run.scenario, TICK_S, run.seed)
+    ambient = ambient_of_scenario(run.scenario, run.seed)
     return np.stack([ambient.drive()[:, :2] for _ in ticks.t])
 
 
