@@ -47,7 +47,7 @@ def test_a_swap_at_the_very_start_heals():
     for tick in range(20):
         block.update(frame_at(tick, truth_at(tick)[0][::-1]))
     states = [block.update(frame_at(tick)) for tick in range(20, 80)]
-    # BORROWED_MOST samples and 60 ms to be convinced
+    # MOST_BORROWED samples and 60 ms to be convinced
     assert all(np.array_equal(s.pos, truth_at(round(s.t * 100))[0]) for s in states[42:])
 
 

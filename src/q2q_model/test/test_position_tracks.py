@@ -7,7 +7,7 @@ import pytest
 from steady_tracks import COAST, DT, JERK, NEAR, NOBODY, NOISE, NONE, PLACES, flown, offered, tracks
 
 from q2q_model.estimation.position import kalman_filter
-from q2q_model.estimation.position.position_tracks import BORROWED_MOST, SETTLED
+from q2q_model.estimation.position.position_tracks import MOST_BORROWED, SETTLED
 
 
 def spread(ticks: int) -> float:
@@ -68,7 +68,7 @@ def test_a_track_coasts_and_is_then_lost_its_place_held_and_at_rest() -> None:
 def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_convinced(right: int) -> None:
     """Right, then swapped for good: borrowed as often, or 35 times; none until the rival is 0.125 s old."""
     made, seen = flown(right), []
-    most = max(right, BORROWED_MOST)
+    most = max(right, MOST_BORROWED)
     for k in range(right, right + most + 12):
         verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
         lines = {"borrowed": verdict.borrowed, "new": verdict.restarted, "own": verdict.accepted}

@@ -2,7 +2,7 @@
 
 At a frame that comes tau after the one before, with x = 1 for a rejected sample, 0 else,
 
-    s <- e s + (1 - e) x,   e = exp(-min(tau, STEP_MOST) / AVERAGE_S)
+    s <- e s + (1 - e) x,   e = exp(-min(tau, LONGEST_STEP) / AVERAGE_S)
 
 A frame that is not newer than the last counted one is left out. One older than that by more than AVERAGE_S
 means that the stamps restart, as of a clock that was set back: the shares do too.
@@ -14,7 +14,7 @@ from q2q_model.signals.values import Names
 
 AVERAGE_S = 2.0
 """Time constant of the average [s]."""
-STEP_MOST = 0.1
+LONGEST_STEP = 0.1
 """Longest time for which one frame counts [s], so that one sample after a gap is not many: 10 Hz."""
 WARN_ABOVE = 0.25
 """Share that is too much [-]: of hovering vehicles a tenth is rejected at 1.5 cm of noise, 0.3 at 2 cm."""
@@ -42,7 +42,7 @@ class RejectedShares:
             self._shares, self._many = {}, frozenset()
         if not (rejected or self._shares):
             return frozenset()
-        kept = math.exp(-min(step, STEP_MOST) / AVERAGE_S) if step > 0.0 else 1.0
+        kept = math.exp(-min(step, LONGEST_STEP) / AVERAGE_S) if step > 0.0 else 1.0
         shares = {name: kept * share for name, share in self._shares.items()}
         for name in rejected:
             shares[name] = shares.get(name, 0.0) + 1.0 - kept

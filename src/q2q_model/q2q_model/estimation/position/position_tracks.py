@@ -10,7 +10,7 @@ in this order:
    the two frames; those that last for as long as a vehicle may coast are right.
 2. The sample may belong to another vehicle (label_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
-   BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
+   MOST_BORROWED times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
    are exchanged for good are exchanged by the server, also while poses repeat (exchanged_repeats). Where such
    a sample is further than jump_max from a track that coasts, a second one must agree.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
@@ -42,7 +42,7 @@ from q2q_model.estimation.position.track_columns import TrackColumns, TrackParam
 from q2q_model.estimation.position.track_update import TrackUpdate
 from q2q_model.signals.values import Array, Mask, Rows
 
-BORROWED_MOST = 35
+MOST_BORROWED = 35
 """Samples of other names that a track accepts though it has had fewer of its own: 0.35 s at 100 Hz, the time
 for which a vehicle may coast, by which swaps have ended."""
 SETTLED = 100
@@ -217,7 +217,7 @@ class PositionTracks:
 
 def _may_borrow(tracks: TrackColumns) -> Mask:
     """Return the tracks that may accept samples of other names, (n,)."""
-    return np.asarray((tracks.own >= SETTLED) | (tracks.borrowed < np.maximum(tracks.own, BORROWED_MOST)))
+    return np.asarray((tracks.own >= SETTLED) | (tracks.borrowed < np.maximum(tracks.own, MOST_BORROWED)))
 
 
 def _present(samples: Array) -> Mask:
