@@ -9,7 +9,7 @@ import pytest
 from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.experiments.validation.comparison import comparison
+from q2q_sim.experiments.validation.error_statistics import comparison
 from q2q_sim.experiments.validation.flight_alone import (
     TICK,
     FlightAlone,
@@ -19,7 +19,7 @@ from q2q_sim.experiments.validation.flight_alone import (
     is_alone,
     setpoint_rows,
 )
-from q2q_sim.experiments.validation.validation import as_json
+from q2q_sim.experiments.validation.validated_flight import as_json
 
 
 def spiral(seconds: float = 12.0) -> FlightAlone:

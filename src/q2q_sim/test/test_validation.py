@@ -9,12 +9,12 @@ from turbulent_passes import air, recorded_passes
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_terms import RotorDragTerm, VehicleTerm
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
+from q2q_sim.experiments.validation.error_statistics import comparison
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validate_flights import _all_flown
-from q2q_sim.experiments.validation.validation import (
+from q2q_sim.experiments.validation.validated_flight import (
     COVERAGE,
     RMS_RATIO,
     ValidatedFlight,

@@ -8,9 +8,9 @@ from turbulent_passes import recorded_passes
 
 from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.geometry.rotations import UP, identity_quat, rotate
-from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
 from q2q_sim.experiments.validation.error_figures import spectrum_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
+from q2q_sim.experiments.validation.error_statistics import comparison, error_sums, flight_intervals
 from q2q_sim.experiments.validation.estimate_noise import colour_noise, estimate_noise, noise_density
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from q2q_model import palette
-from q2q_sim.experiments.validation.comparison import ErrorSums
 from q2q_sim.experiments.validation.error_spectrum import EDGES
-from q2q_sim.experiments.validation.validation import ValidatedFlight
+from q2q_sim.experiments.validation.error_statistics import ErrorSums
+from q2q_sim.experiments.validation.validated_flight import ValidatedFlight
 from q2q_sim.report.panels import legend_above, literal, panels
 from q2q_sim.report.significant_digits import CM
 

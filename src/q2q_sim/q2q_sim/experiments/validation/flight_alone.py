@@ -3,8 +3,8 @@
 A flight of one vehicle whose log has setpoints but no thrust commands does not determine its control law. The
 simulated vehicle flies by the stock position PID of the firmware (q2q_sim.firmware), from the recorded first
 state, in the air with its offset and gusts, and knows its state exactly. Compared are the errors r - r_ref of
-position in flight: the height under the names of `comparison`, x and y together as `lateral`. The recorded
-errors are those of the motion capture, so that they contain the errors of the vehicle's own estimate.
+position in flight: the height under the names of `error_statistics`, x and y together as `lateral`. The
+recorded errors are those of the motion capture, so they contain the errors of the vehicle's own estimate.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.lookup.find_air import FlownAir
-from q2q_sim.experiments.validation.comparison import ErrorSums, error_sums
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE
+from q2q_sim.experiments.validation.error_statistics import ErrorSums, error_sums
 from q2q_sim.experiments.validation.tracked_flight import flying_grid
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import Power, setpoint_row

@@ -13,8 +13,8 @@ from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.experiments.validation.comparison import Comparison, comparison
 from q2q_sim.experiments.validation.drawn_air import draws_in
+from q2q_sim.experiments.validation.error_statistics import Comparison, comparison
 from q2q_sim.experiments.validation.flight_alone import (
     ComparedAlone,
     FlightAlone,
@@ -23,7 +23,7 @@ from q2q_sim.experiments.validation.flight_alone import (
     is_alone,
 )
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
-from q2q_sim.experiments.validation.validation import (
+from q2q_sim.experiments.validation.validated_flight import (
     ValidatedFlight,
     as_json,
     pooled_comparison,

@@ -4,15 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.documents.written_file import write_text
-from q2q_sim.experiments.validation.comparison import (
+from q2q_sim.experiments.validation.error_figures import error_figure, spectrum_figure
+from q2q_sim.experiments.validation.error_statistics import (
     Comparison,
     ErrorSums,
     comparison,
     flight_intervals,
 )
-from q2q_sim.experiments.validation.error_figures import error_figure, spectrum_figure
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
-from q2q_sim.experiments.validation.validation import (
+from q2q_sim.experiments.validation.validated_flight import (
     COVERAGE,
     RMS_RATIO,
     SPECTRUM_DB,

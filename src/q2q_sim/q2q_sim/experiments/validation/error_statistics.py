@@ -13,7 +13,7 @@ a normal. Sums over rows are kept, so that flights are pooled by adding.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
@@ -55,8 +55,21 @@ class ErrorSums:
 
     def __add__(self, other: "ErrorSums") -> "ErrorSums":
         """Return the sums over the rows of both."""
-        both = [(getattr(self, f.name), getattr(other, f.name), f.name) for f in fields(self)]
-        return ErrorSums(*(np.maximum(a, b) if name.startswith("worst") else a + b for a, b, name in both))
+        return ErrorSums(
+            n=self.n + other.n,
+            r=self.r + other.r,
+            m=self.m + other.m,
+            rr=self.rr + other.rr,
+            mm=self.mm + other.mm,
+            rm=self.rm + other.rm,
+            ss=self.ss + other.ss,
+            inside=self.inside + other.inside,
+            worst=float(np.maximum(self.worst, other.worst)),
+            worst_drawn=np.maximum(self.worst_drawn, other.worst_drawn),
+            power=self.power + other.power,
+            power_drawn=self.power_drawn + other.power_drawn,
+            segments=self.segments + other.segments,
+        )
 
 
 @dataclass(frozen=True, slots=True)

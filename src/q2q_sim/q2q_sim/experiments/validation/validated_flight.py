@@ -8,15 +8,15 @@ import numpy as np
 from q2q_model.flights.copies.same_flight import is_among
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.experiments.validation.comparison import (
+from q2q_sim.experiments.validation.drawn_air import MakeDraw
+from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
+from q2q_sim.experiments.validation.error_statistics import (
     Comparison,
     ErrorSums,
     comparison,
     error_sums,
     flight_intervals,
 )
-from q2q_sim.experiments.validation.drawn_air import MakeDraw
-from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
 from q2q_sim.experiments.validation.recorded_law import RecordedLaw, read_law
 from q2q_sim.experiments.validation.redrawn_flight import Draws, redraw_flight
