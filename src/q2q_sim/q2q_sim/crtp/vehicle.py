@@ -33,7 +33,6 @@ SILENCE_MS = 1000
 """RADIO_ACTIVITY_TIMEOUT_MS of the firmware, after which logs to a client end."""
 MOST_CLIENTS = 8
 """Largest number of clients; a new one replaces the one silent for longest."""
-MISC = 3
 RADIO, POWER_UP, RESET = 0xFE, 0x03, 0xF0
 """cflib: utils/power_switch.py."""
 LOCAL = "local"
@@ -119,7 +118,7 @@ class CrtpVehicle:
         if packet.port == Port.LOG:
             return session.logs.serve(packet, self.firmware.now_ms)
         if packet.port == Port.PARAM:
-            serve = parameters_misc.serve if packet.channel == MISC else parameters.serve
+            serve = parameters_misc.serve if packet.channel == parameters_misc.CHANNEL else parameters.serve
             return serve(self.firmware, packet)
         if packet.port in _SERVICES:
             return _SERVICES[packet.port](self.firmware, packet)

@@ -23,6 +23,7 @@ trajectories without pieces and those that leave the memory are answered UNKNOWN
 
 import struct
 from collections.abc import Callable
+from enum import IntEnum
 
 import numpy as np
 
@@ -44,6 +45,25 @@ PIECE_BYTES = 132
 IN_MEMORY, POLY4D, COMPRESSED = 1, 0, 1
 TRAJECTORIES = 31
 """NUM_TRAJECTORY_DEFINITIONS."""
+
+
+class HighLevel(IntEnum):
+    """Commands by their numbers."""
+
+    SET_MASK = 0
+    OLD_TAKE_OFF = 1
+    OLD_LAND = 2
+    STOP = 3
+    GO_TO = 4
+    START = 5
+    DEFINE = 6
+    TAKE_OFF = 7
+    LAND = 8
+    TAKE_OFF_AT_SPEED = 9
+    LAND_AT_SPEED = 10
+    SPIRAL = 11
+    GO_TO_2 = 12
+    START_2 = 13
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
@@ -180,19 +200,23 @@ def _piece(memory: bytearray, at: int) -> Piece:
 
 
 _COMMANDS: dict[int, Callable[[Firmware, bytes], PlannerResult]] = {
-    0: _set_mask,
-    1: _flying(lambda one, data: one.planner.take_off(_old_vertical(data), one.seconds)),
-    2: _flying(lambda one, data: one.planner.land(_old_vertical(data), one.seconds)),
-    3: _stop,
-    4: _flying(_go),
-    5: _flying(_start),
-    6: _define,
-    7: _flying(lambda one, data: one.planner.take_off(_vertical(data), one.seconds)),
-    8: _flying(lambda one, data: one.planner.land(_vertical(data), one.seconds)),
-    9: _flying(lambda one, data: one.planner.take_off(_at_speed(one, data, "vtoff", 1.0), one.seconds)),
-    10: _flying(lambda one, data: one.planner.land(_at_speed(one, data, "vland", -1.0), one.seconds)),
-    11: _flying(_arc),
-    12: _flying(_go_2),
-    13: _flying(_start_2),
+    HighLevel.SET_MASK: _set_mask,
+    HighLevel.OLD_TAKE_OFF: _flying(lambda one, data: one.planner.take_off(_old_vertical(data), one.seconds)),
+    HighLevel.OLD_LAND: _flying(lambda one, data: one.planner.land(_old_vertical(data), one.seconds)),
+    HighLevel.STOP: _stop,
+    HighLevel.GO_TO: _flying(_go),
+    HighLevel.START: _flying(_start),
+    HighLevel.DEFINE: _define,
+    HighLevel.TAKE_OFF: _flying(lambda one, data: one.planner.take_off(_vertical(data), one.seconds)),
+    HighLevel.LAND: _flying(lambda one, data: one.planner.land(_vertical(data), one.seconds)),
+    HighLevel.TAKE_OFF_AT_SPEED: _flying(
+        lambda one, data: one.planner.take_off(_at_speed(one, data, "vtoff", 1.0), one.seconds)
+    ),
+    HighLevel.LAND_AT_SPEED: _flying(
+        lambda one, data: one.planner.land(_at_speed(one, data, "vland", -1.0), one.seconds)
+    ),
+    HighLevel.SPIRAL: _flying(_arc),
+    HighLevel.GO_TO_2: _flying(_go_2),
+    HighLevel.START_2: _flying(_start_2),
 }
 """Function of each command."""

@@ -23,7 +23,7 @@ from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.parameters.parameter_table import TABLE, Definition
 
-SET_BY_NAME = 0
+CHANNEL, SET_BY_NAME = 3, 0
 EACCES, EINVAL = 13, 22
 PERSISTENT = 1
 """The only extended type."""

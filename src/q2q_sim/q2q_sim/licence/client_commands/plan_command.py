@@ -3,23 +3,37 @@
 import math
 
 from q2q_sim.crtp.packets.packet import Packet
-from q2q_sim.crtp.ports.commander_high_level import GO, GO_2, OLD_VERTICAL, VERTICAL
+from q2q_sim.crtp.ports.commander_high_level import GO, GO_2, OLD_VERTICAL, VERTICAL, HighLevel
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerResult
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.licence.client_commands.client_command import Asked, CommandKind
 from q2q_sim.licence.client_commands.uploaded_trajectories import absent_trajectory
 
-_TAKE_OFF, _LAND, _LEAVE, _GO_TO, _OTHER_PLANS = (1, 7), (2, 8), 3, (4, 12), (9, 10, 11)
-_STARTS = {5: 3, 13: 4}
+_OLD_VERTICALS = (HighLevel.OLD_TAKE_OFF, HighLevel.OLD_LAND)
+_VERTICALS = (*_OLD_VERTICALS, HighLevel.TAKE_OFF, HighLevel.LAND)
+_GO_TO = (HighLevel.GO_TO, HighLevel.GO_TO_2)
+_OTHER_PLANS = (HighLevel.TAKE_OFF_AT_SPEED, HighLevel.LAND_AT_SPEED, HighLevel.SPIRAL)
+_STARTS: dict[int, int] = {HighLevel.START: 3, HighLevel.START_2: 4}
 """Commands that start a trajectory: place of its number among their fields."""
-_UNMASKED = (0, 6)
+_UNMASKED = (HighLevel.SET_MASK, HighLevel.DEFINE)
 """Commands without a mask of groups: to set it, to define a trajectory."""
-PLAN_NAMES = {
-    0: "group mask", 1: "takeoff", 2: "land", 3: "high-level stop", 4: "go_to", 5: "start_trajectory",
-    6: "define_trajectory", 7: "takeoff", 8: "land", 9: "takeoff", 10: "land", 11: "spiral", 12: "go_to",
-    13: "start_trajectory",
-}  # fmt: skip
+PLAN_NAMES: dict[int, str] = {
+    HighLevel.SET_MASK: "group mask",
+    HighLevel.OLD_TAKE_OFF: "takeoff",
+    HighLevel.OLD_LAND: "land",
+    HighLevel.STOP: "high-level stop",
+    HighLevel.GO_TO: "go_to",
+    HighLevel.START: "start_trajectory",
+    HighLevel.DEFINE: "define_trajectory",
+    HighLevel.TAKE_OFF: "takeoff",
+    HighLevel.LAND: "land",
+    HighLevel.TAKE_OFF_AT_SPEED: "takeoff",
+    HighLevel.LAND_AT_SPEED: "land",
+    HighLevel.SPIRAL: "spiral",
+    HighLevel.GO_TO_2: "go_to",
+    HighLevel.START_2: "start_trajectory",
+}
 """Commands of the high-level commander."""
 
 
@@ -29,9 +43,9 @@ def planned_command(data: bytes, answers: list[Packet], firmware: Firmware) -> A
     refused = _refusal(answers, firmware)
     if number not in _UNMASKED and not _is_addressed(fields[:1], firmware):
         return Asked(CommandKind.OTHER, f"{PLAN_NAMES.get(number, 'command')} for another group")
-    if number == _LEAVE:
+    if number == HighLevel.STOP:
         return Asked(CommandKind.OFF, PLAN_NAMES[number])
-    if number in (*_TAKE_OFF, *_LAND):
+    if number in _VERTICALS:
         return _vertical(number, fields, refused)
     if number in _GO_TO:
         return _go_to(number, fields, refused)
@@ -49,11 +63,11 @@ def _is_addressed(mask: bytes, firmware: Firmware) -> bool:
 
 
 def _vertical(number: int, fields: bytes, refused: str) -> Asked:
-    """Return a take-off or landing; the old commands, 1 and 2, have no yaw."""
-    if len(fields) < (OLD_VERTICAL if number in (1, 2) else VERTICAL).size:
+    """Return a take-off or landing; the old commands have no yaw."""
+    if len(fields) < (OLD_VERTICAL if number in _OLD_VERTICALS else VERTICAL).size:
         return Asked(CommandKind.PLAN, PLAN_NAMES[number], refused=refused)
     yaw, keep = 0.0, True
-    if number in (1, 2):
+    if number in _OLD_VERTICALS:
         _, height, duration = OLD_VERTICAL.unpack_from(fields)
     else:
         _, height, yaw, keep, duration = VERTICAL.unpack_from(fields)
@@ -64,7 +78,7 @@ def _vertical(number: int, fields: bytes, refused: str) -> Asked:
 
 
 def _go_to(number: int, fields: bytes, refused: str) -> Asked:
-    layout = GO if number == _GO_TO[0] else GO_2
+    layout = GO if number == HighLevel.GO_TO else GO_2
     if len(fields) < layout.size:
         return Asked(CommandKind.PLAN, PLAN_NAMES[number], refused=refused)
     values = layout.unpack_from(fields)

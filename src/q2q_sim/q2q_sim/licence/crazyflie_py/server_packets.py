@@ -31,15 +31,14 @@ from q2q_sim.crtp.ports import (
     log_blocks,
     memory,
     parameters,
+    parameters_misc,
     platform,
 )
-from q2q_sim.crtp.ports.parameters_misc import SET_BY_NAME
+from q2q_sim.crtp.ports.commander_high_level import HighLevel
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.parameters.parameter_table import Definition
 
-MISC = 3
-"""Channel of parameters by name."""
-TAKE_OFF, LAND, GO_TO, START, DEFINE = 1, 2, 4, 5, 6
+TAKE_OFF, LAND = HighLevel.OLD_TAKE_OFF, HighLevel.OLD_LAND
 FULL_STATE, POSITION, HOVER = 6, 7, 5
 WRITE_BYTES = 24
 """Bytes of one packet that writes into the memory."""
@@ -53,12 +52,12 @@ def vertical(command: int, height: float, duration: float, mask: int) -> Packet:
 
 def go_to(pos: Three, yaw: float, duration: float, *, relative: bool, mask: int) -> Packet:
     """Return a go-to to a position [m] and yaw [rad] in a duration [s]."""
-    return _high_level(struct.pack("<BBB5f", GO_TO, mask, relative, *pos, yaw, duration))
+    return _high_level(struct.pack("<BBB5f", HighLevel.GO_TO, mask, relative, *pos, yaw, duration))
 
 
 def start(number: int, timescale: float, *, backwards: bool, relative: bool, mask: int) -> Packet:
     """Return the start of an uploaded trajectory."""
-    return _high_level(struct.pack("<BBBBBf", START, mask, relative, backwards, number, timescale))
+    return _high_level(struct.pack("<BBBBBf", HighLevel.START, mask, relative, backwards, number, timescale))
 
 
 def upload(number: int, offset: int, pieces: Sequence[tuple[float, Array]]) -> Iterator[Packet]:
@@ -78,7 +77,7 @@ def upload(number: int, offset: int, pieces: Sequence[tuple[float, Array]]) -> I
         place = struct.pack("<BI", 0, begin + at)
         yield Packet(Port.MEMORY, memory.WRITE, place + content[at : at + WRITE_BYTES])
     where = commander_high_level.IN_MEMORY, commander_high_level.POLY4D, begin, len(pieces)
-    yield _high_level(struct.pack("<BBBBIB", DEFINE, number, *where))
+    yield _high_level(struct.pack("<BBBBIB", HighLevel.DEFINE, number, *where))
 
 
 def full_state(pos: Three, vel: Three, acc: Three, yaw: float, omega: Three) -> Packet:
@@ -126,8 +125,8 @@ def parameter_write_by_name(one: Definition, value: float) -> Packet:
     """Return a new value of a parameter, for all vehicles."""
     kind = TYPES[one.kind]
     names = f"{one.group}\0{one.last}\0".encode("latin-1")
-    data = bytes([SET_BY_NAME]) + names + bytes([kind.param or 0]) + kind.packed(value)
-    return Packet(Port.PARAM, MISC, data)
+    data = bytes([parameters_misc.SET_BY_NAME]) + names + bytes([kind.param or 0]) + kind.packed(value)
+    return Packet(Port.PARAM, parameters_misc.CHANNEL, data)
 
 
 def log_packets(block: int, variables: Sequence[tuple[int, int]], frequency: int) -> tuple[Packet, Packet]:
