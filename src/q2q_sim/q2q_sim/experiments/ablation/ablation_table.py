@@ -4,8 +4,6 @@ Values are medians over models and draws with 95 % intervals (two_level_interval
 Ratios are medians of the ratio of each draw, which has the same noise, air and vehicles in every flight.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from q2q_model.counted import counted
@@ -25,6 +23,7 @@ from q2q_sim.experiments.ablation.conclusion import (
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
 from q2q_sim.experiments.ablation.variant_flight import COLUMNS
 from q2q_sim.experiments.ablation.variants import NAMES
+from q2q_sim.report.markdown_table import markdown_table
 from q2q_sim.report.significant_digits import MM
 
 READING = """\
@@ -89,7 +88,7 @@ def _best(numbers: Numbers) -> str:
             name = best_variant(numbers, case)
             missed = ", ".join(missed_targets(numbers, case, name)) or "none"
             rows.append([case.name, case.plant.air, name, *_values(numbers, case, name), missed])
-    return _table(head, rows, 3) if rows else ""
+    return markdown_table(head, rows, 3) if rows else ""
 
 
 def _values(numbers: Numbers, case: Case, name: str) -> list[str]:
@@ -113,7 +112,7 @@ def _overview(numbers: Numbers, name: str) -> str:
     if not paths.draws:
         kind += f" (in `{LAW}` with one)"
     said = f"{UNDER_WORST}; {draws} draws with {kind}; {paths.start:g} to {paths.end:g} s of the scenario."
-    table = _table(["controller", *(plant.air for plant in PLANTS)], rows, 1)
+    table = markdown_table(["controller", *(plant.air for plant in PLANTS)], rows, 1)
     return "\n\n".join([f"## {name}", said[0].upper() + said[1:], table])
 
 
@@ -130,7 +129,7 @@ def _detail(numbers: Numbers, case: Case) -> str:
         return ""
     head = ["controller", "under [mm]", "clear [mm]", "worst [mm]", "under / clear", "gain"]
     rows = [[name, *_intervals(numbers, case, name)] for name in flown]
-    return "\n\n".join([f"### {case.title}", _table(head, rows, 1)])
+    return "\n\n".join([f"### {case.title}", markdown_table(head, rows, 1)])
 
 
 def _intervals(numbers: Numbers, case: Case, name: str) -> list[str]:
@@ -164,10 +163,4 @@ def _models(numbers: Numbers) -> str:
         shape = [f"{jet.strength:.2f}", f"{jet.decay_rate:.2f}", f"{jet.width:.3f}", f"{jet.spread:.3f}"]
         size = f"{residual.floor:.2f} + {residual.slope:.2f} eta"
         rows.append([one.name, *shape, f"{jet.travel_speed:.2f}", size, f"{residual.time_s:.2f}"])
-    return _table(head, list(dict.fromkeys(map(tuple, rows))), 1)
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
-    """Return a Markdown table whose first `left` columns are words."""
-    marks = ["---"] * left + ["--:"] * (len(head) - left)
-    return "\n".join("| " + " | ".join(row) + " |" for row in (head, marks, *rows))
+    return markdown_table(head, list(dict.fromkeys(map(tuple, rows))), 1)

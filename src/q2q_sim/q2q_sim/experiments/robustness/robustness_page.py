@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS, without_belief
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
+from q2q_sim.report.markdown_table import markdown_table
 from q2q_sim.report.significant_digits import MM
 
 MORE = 1.05
@@ -47,22 +48,22 @@ def page(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight], comman
 
 def _table(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) -> str:
     airs = list(dict.fromkeys(one.air for one in flights))
-    rows = [f"| perturbation | {' | '.join(airs)} | left |", f"|---|{'--:|' * len(airs)}--:|"]
+    rows = []
     for wanted in PERTURBATIONS:
         cells = {one.air: one for one in flights if one.perturbation == wanted}
         if cells:
             rows.append(_row(found, airs, cells))
-    return "\n".join(rows)
+    return markdown_table(["perturbation", *airs, "left"], rows, 1)
 
 
-def _row(found: Mapping[str, Errors], airs: Sequence[str], cells: Mapping[str, PerturbedFlight]) -> str:
+def _row(found: Mapping[str, Errors], airs: Sequence[str], cells: Mapping[str, PerturbedFlight]) -> list[str]:
     """Return a row; the cell of an air that was not flown is empty."""
     own = {air: found[flight_key(one)] for air, one in cells.items()}
     other = {air: found[flight_key(ignoring_flight(one))] for air, one in cells.items()}
     words = [_cell(own[air], other[air]) if air in own else "" for air in airs]
     most = [MM * max(one.left for one in errors.values()) for errors in (own, other)]
     name = next(iter(cells.values())).perturbation.name
-    return f"| {name} | {' | '.join(words)} | {most[0]:.0f}, {most[1]:.0f} |"
+    return [name, *words, f"{most[0]:.0f}, {most[1]:.0f}"]
 
 
 def _cell(own: Errors, other: Errors) -> str:

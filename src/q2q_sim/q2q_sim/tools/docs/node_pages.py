@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.documents.written_file import write_text
+from q2q_sim.report.markdown_table import markdown_table
 from q2q_sim.ros.node_survey import NodeInterface, SurveyedParameter, survey
 from q2q_sim.ros.stand_in import RecordedPort
 from q2q_sim.tools.docs.animation import write_animation
@@ -90,14 +91,8 @@ def page(node: NodeInterface) -> str:
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a Markdown table without columns that are empty in every row."""
     kept = [column for column in range(len(head)) if any(row[column] for row in rows)]
-    lines = [[cells[column] for column in kept] for cells in (head, ["---"] * len(head), *rows)]
-    return "".join(f"| {' | '.join(map(_in_cell, cells))} |\n" for cells in lines)
-
-
-def _in_cell(text: str) -> str:
-    """Return text with bars and <name> escaped for a Markdown cell."""
-    parts = text.replace("|", r"\|").split("`")
-    return "`".join(part if inside % 2 else part.replace("<", "&lt;") for inside, part in enumerate(parts))
+    named, *shown = [[cells[column] for column in kept] for cells in (head, *rows)]
+    return markdown_table(named, shown, len(kept)) + "\n"
 
 
 def _port_row(port: RecordedPort, when: str) -> tuple[str, ...]:
