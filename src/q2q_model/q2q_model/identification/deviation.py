@@ -25,6 +25,7 @@ import numpy as np
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
 from q2q_model.identification.gains.impulse_response import CLEAR
+from q2q_model.identification.statistics.flight_bootstrap import ENDS, FEWEST_FLIGHTS, flight_draws
 from q2q_model.identification.statistics.intervals import UNKNOWN, Interval
 from q2q_model.signals.values import Array
 
@@ -32,8 +33,6 @@ DRAWS = 500
 """Bootstrap draws: ends of a 95 % interval to a few percent of its width."""
 FEWEST_ROWS = 5
 """Fewest rows of overlap for a mean: 50 ms at 100 Hz."""
-FEWEST_FLIGHTS = 3
-"""Fewest flights for an interval: the two parameters fit two flights exactly, whatever these measured."""
 RATES = np.linspace(-2.0, 10.0, 601)
 """Grid of beta [1/m], much finer than any confidence interval."""
 FARTHEST = 10.0
@@ -138,12 +137,11 @@ def _bootstrap(gaps: Array, devs: Array, params: DeviationParams) -> Array:
 
     Draws whose gaps lie too close to each other for a decay are left out.
     """
-    rng = np.random.default_rng(params.seed)
-    drawn = rng.integers(0, gaps.size, (DRAWS, gaps.size))
+    drawn = flight_draws(gaps.size, DRAWS, params.seed)
     apart = np.ptp(gaps[drawn], axis=1) > 0.1 * np.ptp(gaps)
     taken = drawn[apart] if apart.any() else np.arange(gaps.size)[None]
     draws = [_decay(gaps[rows], devs[rows], params.allowed) for rows in taken]
-    return np.asarray(np.percentile(np.array(draws), [2.5, 97.5], axis=0))
+    return np.asarray(np.percentile(np.array(draws), ENDS, axis=0))
 
 
 def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, float]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.identification.statistics.flight_bootstrap import ENDS, FEWEST_FLIGHTS, flight_draws
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.estimators.mocap_degradations import CONDITIONS, UNDEGRADED, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
@@ -22,8 +23,6 @@ SHORT, RECOVERY = 0.15, 0.5
 """[s]"""
 BOOTSTRAP = 300
 """Draws of flights for an interval."""
-FEWEST_FLIGHTS = 3
-"""Flights for an interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,12 +101,9 @@ def pooled_median_interval(flights: Sequence[Array]) -> tuple[float, float] | No
     """Return the 95 % interval of the pooled median by a bootstrap over flights; None below three."""
     if len(flights) < FEWEST_FLIGHTS:
         return None
-    draw = np.random.default_rng(0)
-    drawn = [
-        np.median(np.concatenate([flights[k] for k in draw.integers(0, len(flights), len(flights))]))
-        for _ in range(BOOTSTRAP)
-    ]
-    low, high = _percentiles(np.array(drawn), 2.5, 97.5)
+    rows = flight_draws(len(flights), BOOTSTRAP)
+    drawn = [np.median(np.concatenate([flights[k] for k in one])) for one in rows]
+    low, high = _percentiles(np.array(drawn), *ENDS)
     return float(low), float(high)
 
 

@@ -19,6 +19,7 @@ from functools import reduce
 import numpy as np
 from scipy.special import stdtrit
 
+from q2q_model.identification.statistics.flight_bootstrap import ENDS, FEWEST_FLIGHTS, flight_draws
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 
@@ -148,16 +149,13 @@ def comparison(parts: Sequence[ErrorSums]) -> Comparison:
 def flight_intervals(flights: Sequence[Sequence[ErrorSums]]) -> dict[str, tuple[float, float]]:
     """Return the 95 % interval of each pooled number by a bootstrap over flights; empty below 3 flights."""
     flown = [reduce(ErrorSums.__add__, parts) for parts in flights if sum(part.n for part in parts)]
-    if len(flown) < 3:
+    if len(flown) < FEWEST_FLIGHTS:
         return {}
-    rng = np.random.default_rng(0)
-    drawn = [
-        comparison([flown[k] for k in rng.integers(0, len(flown), len(flown))]) for _ in range(BOOTSTRAP)
-    ]
+    drawn = [comparison([flown[k] for k in rows]) for rows in flight_draws(len(flown), BOOTSTRAP)]
     found = {}
     for name in ("z_rms_ratio", "correlation", "spectrum_db", "coverage95", "worst_ratio"):
         values = [value for one in drawn if (value := getattr(one, name)) is not None]
         if values:
-            low, high = np.percentile(values, [2.5, 97.5])
+            low, high = np.percentile(values, ENDS)
             found[name] = float(low), float(high)
     return found
