@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from any_model import AnyModel
 
 from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, correct_estimate
 from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
@@ -100,14 +101,6 @@ def test_downwashs_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
                 assert np.allclose(found.gradient[row, :, :, 2], gradient, rtol=1e-7, atol=1e-9)
     assert pairs
     assert np.allclose(found.eta, total, rtol=1e-9, atol=1e-12)
-
-
-class AnyModel:
-    """Jet that is not known to be one."""
-
-    def __init__(self, jet: Jet) -> None:
-        self.reach, self.max_delay = jet.reach, jet.max_delay
-        self.delay, self.acceleration, self.deviation = jet.delay, jet.acceleration, jet.deviation
 
 
 @pytest.mark.parametrize("model", [PAPER_LAW, MEASURED_LAW, MOVING_LAW])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from any_model import AnyModel
 from resting_signals import resting_state
 
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
@@ -13,14 +14,6 @@ from q2q_model.signals.values import SwarmState, TrackStatus
 NAMES = tuple(f"cf{k}" for k in range(6))
 DT = 0.01
 KNOWN_DEVIATION = replace(PAPER_LAW, relative_std=0.1, std_floor=0.2)
-
-
-class AnyModel:
-    """Jet that is not known to be one."""
-
-    def __init__(self, jet: Jet) -> None:
-        self.reach, self.max_delay = jet.reach, jet.max_delay
-        self.delay, self.acceleration, self.deviation = jet.delay, jet.acceleration, jet.deviation
 
 
 def flight() -> list[SwarmState]:

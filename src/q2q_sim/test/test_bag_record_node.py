@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from serialized_commands import serialized_at
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
@@ -19,19 +20,10 @@ from spun_until import spin_until
 from std_msgs.msg import String
 
 from q2q_model.bag import BagReader
-from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE, TICK_WRITER
-from q2q_model.signals import values
-from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_record_node import Recorder
-
-
-def serialized_at(second: int) -> bytes:
-    """Return a serialised command with a stamp."""
-    return encode(synthetic_signal(values.SwarmCommand, float(second), ("cf1",)), second * 10**9)
-
 
 SENT = 3000
 """Half a minute of a topic at 100 Hz, before the first is read."""

@@ -4,19 +4,12 @@ from pathlib import Path
 
 import pytest
 from full_disk import full_after
+from serialized_commands import serialized_at
 
 from q2q_model.bag import BagError, BagReader, BagWriter, OfferedQos
-from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.signals import values
-from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_sim.bag_topics.recorded_bag import RecordedBag
 
 COMMAND = "q2q_msgs/msg/SwarmCommand"
-
-
-def serialized_at(second: int) -> bytes:
-    """Return a serialised command with a stamp."""
-    return encode(synthetic_signal(values.SwarmCommand, float(second), ("cf1",)), second * 10**9)
 
 
 def recorded_in(bag: Path) -> RecordedBag:
