@@ -4,8 +4,8 @@
     stop       SIGSTOP; come back: SIGCONT
     hang       the threads of the middleware stand still, those of the node run; come back: they go on
 
-In lockstep the simulator waits for its tick with the given time-outs (q2q_sim.simulator.resend_timer), so that
-a node which returns in time costs no tick; in live flight nothing waits.
+In lockstep the simulator waits for its tick with the given time-outs (q2q_sim.simulator.resend_timer): a node
+which returns in time costs no tick; in live flight nothing waits.
 """
 
 import os

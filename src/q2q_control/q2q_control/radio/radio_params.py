@@ -31,7 +31,7 @@ class RadioNodeParams:
     )
     firmware_params: tuple[str, ...] = tunable(
         (),
-        "firmware parameters to set once connected, each `group.name=value`; they override those of `crazyflies`",
+        "firmware parameters to set once connected, each `group.name=value`; they override `crazyflies`",
         read_only=True,
     )
     toc_cache: str = tunable(
