@@ -5,9 +5,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from procedure_bench import STEP, WELL
 
-from q2q_control.flight_procedure.checks.arrival import Arrival, points_at
+from q2q_control.flight_procedure.checks.arrival import Arrival, at_height, on_the_ground
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_model.signals.values import Array
@@ -21,7 +22,7 @@ Motion = Callable[[float], Array]
 
 @dataclass
 class Hover:
-    """Vehicles that are to hover at HEIGHT, 1 m apart."""
+    """Vehicles that are to rest at a height, or on the ground, 1 m apart."""
 
     motion: Motion
     arrival: Arrival = field(default_factory=lambda: Arrival(PARAMS, LANDING))
@@ -29,19 +30,21 @@ class Hover:
     seen: Array = field(default_factory=lambda: np.full((1, 3), np.nan))
     """Last measured positions [m], (n, 3)."""
     t: float = 0.0
+    height: float = HEIGHT
 
     def step(self, *, blind: Array | None = None) -> str:
         """Let a tick pass, in which `blind` vehicles are not measured; return why they have not arrived."""
         self.t += STEP
         off = self.motion(self.t)
-        places = np.column_stack([np.arange(len(off)), np.zeros(len(off)), np.full(len(off), HEIGHT)])
+        places = np.column_stack([np.arange(len(off)), np.zeros(len(off)), np.full(len(off), self.height)])
         blind = np.zeros(len(off), dtype=np.bool_) if blind is None else blind
         self.age = np.where(blind, self.age + STEP, 0.0)
         self.seen = np.where(blind[:, None], self.seen, places + off)
         names = tuple(replace(WELL, name=f"cf{row}") for row in range(len(off)))
         nan = np.full_like(off, np.nan)
         observation = Observation(names, self.seen, nan, self.age, nan, nan, 0.0, None)
-        return self.arrival.update(observation, points_at(observation, HEIGHT), PARAMS.goal_tolerance, self.t)
+        goal = at_height(observation, PARAMS) if self.height else on_the_ground(observation, PARAMS)
+        return self.arrival.update(observation, goal, self.t)
 
     def arrives_in(self, seconds: float) -> float:
         """Return when all have arrived [s]; infinite if they have not in time."""
@@ -158,6 +161,17 @@ def test_a_vehicle_that_is_lost_for_good_has_not_arrived() -> None:
     held = round(PARAMS.settle_s / STEP)
     assert not any(reasons[: held - 1])
     assert all(one.startswith("cf1 has no state younger than 0.1 s") for one in reasons[held + 1 :])
+
+
+def test_vehicles_that_sink_slowly_through_the_last_centimetres_have_not_landed() -> None:
+    """As at the end of a landing's polynomial; their motors were stopped 2 cm above the ground."""
+    height = Polynomial([1.0, 0.0, 0.0, -10.0, 15.0, -6.0])
+
+    def motion(t: float) -> Array:
+        return np.array([[0.0, 0.0, HEIGHT * height(min(t / LANDING.land_s, 1.0))]] * 2)
+
+    landed = Hover(motion, height=0.0).arrives_in(LANDING.land_s + 1.0)
+    assert LANDING.land_s <= landed <= LANDING.land_s + PARAMS.settle_s
 
 
 def test_without_a_time_to_rest_a_vehicle_has_arrived_when_it_is_there() -> None:

@@ -1,12 +1,14 @@
 """Arrival of vehicles: each at its point and at rest.
 
-A vehicle is at rest once it has stayed within still_speed * settle_s of one place for settle_s. One that
-drifts faster than still_speed does not rest, nor does one that circles or swings by more than that length,
-whatever its period. In the air of a room, vehicles that hold their places move at 0.075 m/s (median): two are
-soon below 0.1 m/s together, seven never for 0.5 s. Each is therefore judged by itself, and remains at rest
-until it leaves its point or the place of its rest, or is not measured for settle_s. Shorter gaps in motion
-capture interrupt no rest, and none is completed within one.
+A vehicle is at rest once it has stayed within `extent` of one place for settle_s. One that drifts faster than
+extent / settle_s does not rest, nor does one that circles or swings by more than that, whatever its period.
+In the air of a room, vehicles that hold their places move at 0.075 m/s (median): two are soon below 0.1 m/s
+together, seven never for 0.5 s. Each is therefore judged by itself, and remains at rest until it leaves its
+point or the place of its rest, or is not measured for settle_s. Shorter gaps in motion capture interrupt no
+rest, and none is completed within one.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,12 +18,38 @@ from q2q_control.flight_procedure.procedure_params import FlightProcedureParams,
 from q2q_model.signals.values import Array
 
 
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """Points at which vehicles are to rest."""
+
+    points: Array
+    """[m], world, (n, 3)."""
+    near: float
+    """Largest distance from them [m]."""
+    extent: float
+    """Largest distance from where a rest began [m], until it is complete."""
+
+
+def in_the_air(points: Array, params: FlightProcedureParams) -> Goal:
+    """Return the goal to hover at points (n, 3) [m]."""
+    return Goal(points, params.goal_tolerance, params.still_speed * params.settle_s)
+
+
+def at_height(observation: Observation, params: FlightProcedureParams) -> Goal:
+    """Return the goal of a take-off: anywhere at its height."""
+    return in_the_air(_over_the_ground(observation, params, params.take_off_height), params)
+
+
+def on_the_ground(observation: Observation, params: FlightProcedureParams) -> Goal:
+    """Return the goal of a landing, whose last centimetres are slow: on the ground nothing moves any more."""
+    return Goal(_over_the_ground(observation, params, 0.0), params.near_ground, 0.1 * params.near_ground)
+
+
 class Arrival:
     """Places of vehicles, and since when each has not left its own."""
 
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
         self._settle_s, self._stale_s = params.settle_s, landing.stale_s
-        self._extent = params.still_speed * params.settle_s
         self.reset()
 
     def reset(self) -> None:
@@ -32,39 +60,39 @@ class Arrival:
         self.there = False
         """All vehicles are measured at their points, at rest or not."""
 
-    def update(self, observation: Observation, points: Array, near: float, t: float) -> str:
-        """Return why a vehicle is not at rest within `near` [m] of its point (n, 3) [m] at time t [s].
+    def update(self, observation: Observation, goal: Goal, t: float) -> str:
+        """Return why a vehicle is not at rest at its point at time t [s].
 
-        Empty if all are; the rests of vehicles need not begin together.
+        Empty if all are; their rests need not begin together.
         """
         pos, age = observation.pos, observation.age
-        off = np.linalg.norm(pos - points, axis=1)
-        there = (off <= near) & (age <= max(self._settle_s, self._stale_s))
+        off = np.linalg.norm(pos - goal.points, axis=1)
+        there = (off <= goal.near) & (age <= max(self._settle_s, self._stale_s))
         moved = np.linalg.norm(pos - self._place, axis=1)
-        stays = there & (moved <= np.where(self._rested, near, self._extent))
+        stays = there & (moved <= np.where(self._rested, goal.near, goal.extent))
         self._place = np.where(stays[:, None], self._place, pos)
         self._since = np.where(stays, self._since, t)
         long_enough = (t - self._since >= self._settle_s) & (age <= self._stale_s)
         self._rested = there & ((stays & self._rested) | long_enough)
         self.there = bool(there.all())
-        if self._rested.all():
-            return ""
-        return self._reason(observation, off, near, int(np.argmin(self._rested)), t)
+        return "" if self._rested.all() else self._reason(observation, goal, int(np.argmin(self._rested)), t)
 
-    def _reason(self, observation: Observation, off: Array, near: float, row: int, t: float) -> str:
-        name, height, far = observation.names[row], float(observation.pos[row, 2]), float(off[row])
+    def _reason(self, observation: Observation, goal: Goal, row: int, t: float) -> str:
+        name, pos = observation.names[row], observation.pos[row]
         stale = stale_refusal(name, float(observation.age[row]), self._stale_s)
         if stale:
             return stale
-        if not far <= near:
-            return f"{name} is at {height:z.2f} m, {far:.2f} m from where it should be"
-        held = f"within {self._extent:.2g} m of one place for {t - float(self._since[row]):.2f} s"
+        off = float(np.linalg.norm(pos - goal.points[row]))
+        if not off <= goal.near:
+            return f"{name} is at {float(pos[2]):z.2f} m, {off:.2f} m from where it should be"
+        held = f"within {goal.extent:.2g} m of one place for {t - float(self._since[row]):.2f} s"
         return f"{name} still moves: it has stayed {held}, {self._settle_s:g} s are required"
 
 
-def points_at(observation: Observation, height: float) -> Array:
-    """Return the points at a height [m] above or below the vehicles, (n, 3)."""
-    return np.column_stack([observation.pos[:, :2], np.full(len(observation.names), height)])
+def _over_the_ground(observation: Observation, params: FlightProcedureParams, height: float) -> Array:
+    """Return the points at a height [m] over the ground above or below the vehicles, (n, 3)."""
+    z = np.full(len(observation.names), params.ground_height + height)
+    return np.column_stack([observation.pos[:, :2], z])
 
 
 def setpoints_rest(

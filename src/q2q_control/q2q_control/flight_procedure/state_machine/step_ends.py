@@ -2,7 +2,13 @@
 
 from collections.abc import Callable
 
-from q2q_control.flight_procedure.checks.arrival import heights_text, points_at, setpoints_rest
+from q2q_control.flight_procedure.checks.arrival import (
+    at_height,
+    heights_text,
+    in_the_air,
+    on_the_ground,
+    setpoints_rest,
+)
 from q2q_control.flight_procedure.checks.flight_checks import setpoint_refusal
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.state_machine.active_flight import ActiveFlight
@@ -19,8 +25,7 @@ def end_step(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _climb(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    points = points_at(observation, params.ground_height + params.take_off_height)
-    off = state.arrival.update(observation, points, params.goal_tolerance, t)
+    off = state.arrival.update(observation, at_height(observation, params), t)
     if not off:
         state.enter(Step.HOVER, t)
         state.answer(granted=True, reason=f"hovering: {heights_text(observation)}")
@@ -37,7 +42,7 @@ def _glide(flight: ActiveFlight, observation: Observation, t: float) -> None:
     arrived = setpoints_rest(observation, flight.params, first)
     if not arrived:
         state.arrival.reset()
-    off = state.arrival.update(observation, first, flight.params.goal_tolerance, t)
+    off = state.arrival.update(observation, in_the_air(first, flight.params), t)
     if arrived and not off:
         _arrive(flight, observation, t)
     elif not setpoints_rest(observation, flight.params):
@@ -87,8 +92,7 @@ def _hold(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    points = points_at(observation, params.ground_height)
-    off = state.arrival.update(observation, points, params.near_ground, t)
+    off = state.arrival.update(observation, on_the_ground(observation, params), t)
     duration = flight.order(Act.LAND, observation).duration
     to_rest = params.step_timeout_s if state.arrival.there else 0.0
     if not off:
