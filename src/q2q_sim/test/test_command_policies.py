@@ -12,6 +12,7 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_sim.monitors.policies import (
+    RecordedSignal,
     judge,
     policies_without_evidence,
     trace_of,
@@ -62,19 +63,40 @@ def test_tilt_counts_roll_and_pitch_together() -> None:
     assert broken(changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27))) == set()
 
 
+def as_table(one: RecordedSignal) -> RecordedSignal:
+    """Return a signal as bag_import makes it of a table, which has neither yaw rates nor commanded angles."""
+    for kind, lacked in ((SwarmCommand, ("roll", "pitch", "yaw_rate")), (SwarmSetpoint, ("yaw_rate",))):
+        for column in lacked:
+            one = changed(kind, -1.0, 9.0, **{column: lambda values: values * np.nan})(one)
+    return one
+
+
 def test_what_is_nan_throughout_a_table_was_not_recorded_and_what_is_nan_at_times_is_broken() -> None:
-    """A table without yaw, or without angles, makes such a bag: in lockstep, without true positions."""
-    table = [one for one in received() if one.topic not in {"truth", "truth_interference"}]
+    table = [as_table(one) for one in received() if one.topic in {"mocap", "state", "reference", "command"}]
 
     def found(change: Change) -> set[str]:
         return {one.policy for one in judge(trace_of(map(change, table)), AROUND)}
 
-    everywhere = changed(SwarmCommand, -1.0, 9.0, roll=lambda roll: roll * np.nan)
-    assert found(everywhere) == set()
-    assert "tilt" in policies_without_evidence(trace_of(map(everywhere, table)))
-    assert found(changed(SwarmCommand, 0.5, 9.0, roll=lambda roll: roll * np.nan)) == {"numbers"}
-    assert found(changed(SwarmCommand, -1.0, 9.0, roll=with_row(1, np.nan))) == {"numbers"}
+    rates = changed(SwarmState, -1.0, 9.0, ang_vel_body=lambda rate: rate * np.nan)
+    assert found(rates) == set()
+    assert "tilt" in policies_without_evidence(trace_of(table))
+    assert found(changed(SwarmState, 0.5, 9.0, ang_vel_body=lambda rate: rate * np.nan)) == {"numbers"}
+    assert found(changed(SwarmState, -1.0, 9.0, ang_vel_body=with_row(1, np.nan))) == {"numbers"}
+    for kind, column in ((SwarmCommand, "thrust"), (SwarmState, "vel"), (SwarmSetpoint, "pos")):
+        assert "numbers" in found(changed(kind, -1.0, 9.0, **{column: lambda values: values * np.nan}))
     assert "numbers" in found(changed(SwarmCommand, -1.0, 9.0, thrust=lambda thrust: thrust + np.inf))
+
+
+@pytest.mark.parametrize(
+    ("kind", "column"),
+    [(SwarmCommand, "thrust"), (SwarmCommand, "roll"), (SwarmState, "vel"), (SwarmSetpoint, "yaw_rate")],
+)
+def test_what_is_nan_throughout_a_flight_in_lockstep_is_broken_without_true_positions_too(
+    kind: type, column: str
+) -> None:
+    everywhere = changed(kind, -1.0, 9.0, **{column: lambda values: values * np.nan})
+    lockstep = [one for one in received() if one.topic not in {"truth", "truth_interference"}]
+    assert any(f"{column} is not finite" in one for one in trace_of(map(everywhere, lockstep)).not_finite)
 
 
 @pytest.mark.parametrize(

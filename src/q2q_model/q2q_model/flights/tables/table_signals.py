@@ -46,6 +46,11 @@ from q2q_model.signals.values import (
 )
 from q2q_model.vehicle.constants import GRAVITY
 
+LACKED = {"reference": ("yaw_rate",), "command": ("roll", "pitch", "yaw_rate")}
+"""Topic -> what no table has: it is NaN in all signals."""
+MAY_LACK = {"state": ("ang_vel_body",), "reference": ("vel", "acc", "yaw"), "imu": ("ang_vel_body",)}
+"""Topic -> what a table may lack: it is NaN in all signals then."""
+
 
 def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
     """Return topic -> one signal per tick, for every topic that the table contains."""

@@ -15,8 +15,9 @@ from q2q_model.flights.joined_flight import check_clock
 from q2q_model.flights.output_ticks import output_ticks
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
-from q2q_model.signals.values import Array, MocapFrame, Names
+from q2q_model.signals.values import Array, Names
 from q2q_sim.monitors.metrics.proximity import near_sample
+from q2q_sim.monitors.policies.inputs.finite_numbers import first_not_finite
 from q2q_sim.monitors.policies.inputs.signal_tables import SAME_TICK, Table, TickGrid, Topic
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
@@ -125,8 +126,6 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
     true_pos = Table(grid, topics["truth"]).column("pos", 3)
     sent = topics["reference_safe"] if topics["reference_safe"].signals else topics["reference"]
     live = bool((np.abs(at["command"] - topics["command"].stamps) > SAME_TICK).any())
-    imported = not live and not topics["truth"].signals
-    not_finite = (_first_not_finite(name, topic, imported=imported) for name, topic in topics.items())
     return FlightTrace(
         t=grid.t,
         names=names,
@@ -143,7 +142,7 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
         recorded_at=at[ticks_of][first],
         commanded_at=_new_commands(topics["command"], at["command"]),
         live=live,
-        not_finite=tuple(filter(None, not_finite)),
+        not_finite=first_not_finite(topics, live=live),
         true_downwash=Table(grid, topics["truth_interference"]).column("acc", 3),
     )
 
@@ -179,34 +178,3 @@ def _seen(grid: TickGrid, frames: Topic, true_pos: Array) -> NDArray[np.bool_]:
         seen |= np.isfinite(samples).all(axis=2) | near_sample(true_pos, samples, SIGHT_M)
         frames = Topic([frames.signals[k] for k in np.flatnonzero(~table.last).tolist()])
     return seen
-
-
-_REFUSED = {"age": np.isnan, "std": np.isinf, "quat": np.isinf}
-"""Tests for values that are refused, of attributes in which another value that is not finite has a meaning:
-an age that is infinite means never, a deviation that is NaN unknown, an attitude that is NaN none yet."""
-
-
-def _first_not_finite(name: str, topic: Topic, *, imported: bool) -> str:
-    """Return the first value of a topic that is not finite, else nothing; frames may have NaN.
-
-    An attribute that is NaN throughout an imported flight was not recorded, as by a table without its
-    columns; in others a node has sent it.
-    """
-    signals = topic.signals
-    if not signals or isinstance(signals[0], MocapFrame):
-        return ""
-    for attribute in signals[0].__dataclass_fields__:
-        one = getattr(signals[0], attribute)
-        if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
-            continue
-        refused, every = _REFUSED.get(attribute, _not_finite), topic.values(attribute).values()
-        if imported and all(np.isnan(values).all() for values in every):
-            continue
-        if any(refused(values).any() for values in every):
-            first = next(signal for signal in signals if refused(getattr(signal, attribute)).any())
-            return f"{name} at {first.t:.3f} s: {attribute} is not finite"
-    return ""
-
-
-def _not_finite(values: Array) -> NDArray[np.bool_]:
-    return ~np.isfinite(values)
