@@ -14,7 +14,7 @@ from q2q_model.commands.command_line import CommandLine, run_command
 from q2q_planner.experiments.encounter_verdict import EncounterVerdict, judge_encounter
 from q2q_planner.experiments.random_encounters import random_encounter
 from q2q_planner.experiments.replanned_encounter import fly_encounter
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from row import Row
 
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)

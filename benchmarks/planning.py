@@ -29,8 +29,8 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, waypoints_through
 from q2q_planner.online.potential_field import PotentialField
 from q2q_planner.online.replanner import Replanner
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.scenarios import library
 from row import Row
 

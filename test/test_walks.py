@@ -69,6 +69,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/flights/flight.py",
     "q2q_model/flights/flight_ticks.py",
     "q2q_model/flights/interpolated_gaps.py",
+    "q2q_model/flights/masks_over_time.py",
     "q2q_model/flights/copies/motion_windows.py",
     "q2q_model/flights/reference_remarks.py",
     "q2q_model/flights/copies/same_flight.py",

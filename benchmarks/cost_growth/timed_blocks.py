@@ -37,8 +37,8 @@ from q2q_model.signals.values import (
 )
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams, repulsive_force
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of, filter_params, pid_params
 from q2q_sim.loop.room import STEPS

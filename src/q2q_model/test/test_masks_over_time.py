@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from q2q_model.signals.masks_over_time import last_row, last_time, runs_of_true
+from q2q_model.flights.masks_over_time import last_row, last_time, runs_of_true
 from q2q_model.signals.values import Array, Mask
 
 MASKS = hnp.arrays(np.bool_, hnp.array_shapes(min_dims=1, max_dims=2, min_side=0, max_side=7))

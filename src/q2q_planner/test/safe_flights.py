@@ -8,7 +8,7 @@ from q2q_model.signals.values import SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)

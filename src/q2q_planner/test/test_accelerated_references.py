@@ -6,8 +6,8 @@ from resting_signals import resting_setpoint
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 TICK = 0.01

@@ -5,8 +5,8 @@ import pytest
 
 from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_planner.online.safe.choice.barrier import SHIFTED, BarrierLaw, BarrierStates, filter_accelerations
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 

@@ -9,7 +9,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.choice.barrier import BarrierLaw, BarrierStates, filter_accelerations
 from q2q_planner.online.safe.motion import traffic
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after, stays_out
 from q2q_planner.online.safe.stopping.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 

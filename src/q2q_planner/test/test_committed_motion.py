@@ -15,7 +15,7 @@ from q2q_planner.online.safe.motion.followed_reference import (
     reference_rows,
 )
 from q2q_planner.online.safe.motion.motion_propagation import at_reference, propagate
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(acc_max=2.0, jerk_max=20.0, speed_max=2.5, hold=0.04)
 

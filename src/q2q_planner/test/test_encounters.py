@@ -14,7 +14,7 @@ from q2q_planner.experiments.random_encounters import Encounter, random_encounte
 from q2q_planner.experiments.replanned_encounter import fly_encounter
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
 TICK = 0.01

@@ -12,8 +12,8 @@ from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.experiments.random_encounters import random_encounter
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(

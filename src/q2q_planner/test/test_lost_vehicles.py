@@ -10,8 +10,8 @@ from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.lost_vehicles import BLIND_S, FRESH_S, LEFT_BEHIND
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICK = 0.01
 PARAMS = SafeReplannerParams()

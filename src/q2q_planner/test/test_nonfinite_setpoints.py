@@ -8,9 +8,9 @@ from resting_signals import resting_setpoint, resting_state
 
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe.motion.motion_propagation import at_reference, propagate
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.nonfinite_setpoints import flyable_inputs, moves_finitely
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICK, SPEED = 0.01, 1.0
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)

@@ -12,8 +12,8 @@ from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 
 def encounter(seed: int, most: int = 10) -> SwarmPlan:

@@ -14,8 +14,8 @@ from q2q_planner.online.safe.choice.desired_motion import FLOOR, DesiredMotion
 from q2q_planner.online.safe.choice.motion_choice import ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.motion.followed_reference import SNAP_POS, SNAP_VEL
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(eps=0.2, d=1.0, tracking=0.02, acc_max=3.0, hold=0.02, forget=0.6)

@@ -9,8 +9,8 @@ from traffic_bench import NOBODY, PARAMS, held, setpoint
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.motion.followed_reference import SNAP_POS, SNAP_VEL, reference_rows
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.traffic import rows_in_pairs, traffic_at
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 
 def meet(apart: float, vel: Array, growth: Array | None = None, params: SafeReplannerParams = PARAMS) -> bool:

@@ -6,7 +6,7 @@ from resting_signals import resting_setpoint
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(
     eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,

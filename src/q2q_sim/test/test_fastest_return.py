@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_sim.experiments.promise.fastest_return import can_return
 
 NEAR = 0.05

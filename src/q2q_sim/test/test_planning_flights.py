@@ -20,7 +20,7 @@ from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics.flight_metrics import measure

@@ -4,7 +4,7 @@ import pytest
 
 from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_control.mpc.neighbours.exchanged_paths import TRACKING
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_sim.scenarios.room_profiles import REAL
 
 

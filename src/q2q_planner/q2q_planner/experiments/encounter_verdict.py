@@ -18,7 +18,7 @@ from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.experiments.random_encounters import Encounter, all_clear
 from q2q_planner.offline.minimum_snap.flight_limits import peak_norm
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.setpoint_error import reference_between
 
 BETWEEN = 4

@@ -17,8 +17,8 @@ from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.online.replanner import Replanner
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.setpoint_warnings import SetpointWarnings
 
 PAPER, SAFE = "paper", "safe"

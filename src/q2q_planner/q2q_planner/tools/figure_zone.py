@@ -3,7 +3,7 @@
 from q2q_model.geometry.zone import Zone
 from q2q_model.tunable import OutOfBoundsError
 from q2q_planner.offline.certificate.convex_zone import zone_around
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 
 def check_drawn(zone: Zone) -> None:

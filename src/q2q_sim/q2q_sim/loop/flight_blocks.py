@@ -33,8 +33,8 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.online.replanner import Replanner
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_sim.loop.flown_plan import plan_for

@@ -9,7 +9,7 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight
-from q2q_model.signals.masks_over_time import last_row
+from q2q_model.flights.masks_over_time import last_row
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.metrics.exposure import AFTER, FORGOTTEN, exposed
 

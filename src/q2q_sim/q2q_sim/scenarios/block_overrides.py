@@ -11,7 +11,7 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.nearest_name import name_hint
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
 from q2q_planner.online.potential_field import PotentialFieldParams
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_sim.scenarios.room_profiles import Overrides
 
 P = TypeVar("P", bound=ParamsClass)

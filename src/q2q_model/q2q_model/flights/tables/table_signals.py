@@ -17,6 +17,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from q2q_model.flights.masks_over_time import last_time
 from q2q_model.flights.sampled_reference import is_rare
 from q2q_model.flights.tables.flight_table import (
     ACC,
@@ -33,7 +34,6 @@ from q2q_model.flights.tables.flight_table import (
 )
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 from q2q_model.signals.values import (
     Array,

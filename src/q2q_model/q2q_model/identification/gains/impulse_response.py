@@ -35,8 +35,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from q2q_model.compiled import compiled
+from q2q_model.flights.masks_over_time import last_time
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
-from q2q_model.signals.masks_over_time import last_time
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

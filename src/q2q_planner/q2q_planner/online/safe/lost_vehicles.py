@@ -23,8 +23,8 @@ from q2q_model.signals.values import Array, Mask, Names, SwarmState, TrackStatus
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.motion.motion_propagation import up_to
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import distance
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s
 """Age of a measurement beyond which a controller does not fly a vehicle [s]."""

@@ -69,6 +69,7 @@ from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion,
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, still_flown
 from q2q_planner.online.safe.motion.followed_reference import ReferenceRows, reference_rows
 from q2q_planner.online.safe.motion.motion_propagation import propagate
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.traffic import TrafficTable, traffic_at
 from q2q_planner.online.safe.motion.vectors import distance
 from q2q_planner.online.safe.nonfinite_setpoints import (
@@ -77,7 +78,6 @@ from q2q_planner.online.safe.nonfinite_setpoints import (
     off_reference,
     output_for_all,
 )
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE

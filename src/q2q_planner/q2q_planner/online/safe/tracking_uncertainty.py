@@ -15,8 +15,8 @@ from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion
 from q2q_planner.online.safe.motion.followed_reference import SNAP_POS, SNAP_VEL
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import length
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 
 class _Tube(NamedTuple):

@@ -46,8 +46,8 @@ from q2q_planner.online.safe import safe_replanner
 from q2q_planner.online.safe.choice.motion_choice import NEW, Choices
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion
 from q2q_planner.online.safe.motion.motion_propagation import propagate
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.traffic import TrafficTable
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch

@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 
 REST = 0.5
 """Time within which a vehicle comes to rest once it is back [s]; from 0.1 m before, a stop takes 0.4 s."""

@@ -20,7 +20,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.experiments.encounter_verdict import CLEAR, NEAR
 from q2q_planner.experiments.random_encounters import random_encounter
 from q2q_planner.experiments.replanned_encounter import AFTERWARDS
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_sim.campaigns.random_runs.random_run import GAINS as INTEGRAL_GAINS
 from q2q_sim.experiments.promise.fastest_return import can_return

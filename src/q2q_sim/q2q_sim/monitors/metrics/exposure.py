@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.signals.masks_over_time import last_time
+from q2q_model.flights.masks_over_time import last_time
 from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.monitors.metrics.proximity import under_another

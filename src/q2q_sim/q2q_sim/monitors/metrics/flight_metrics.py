@@ -18,8 +18,8 @@ import numpy as np
 
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.masks_over_time import last_row, last_time
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.masks_over_time import last_row, last_time
 from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import Vehicle

@@ -7,7 +7,7 @@ missing command, counts as a fallback (q2q_control.failsafe.fallback_phases).
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.masks_over_time import last_time
+from q2q_model.flights.masks_over_time import last_time
 from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.policies.exemptions.sensor_errors import after_label_swap, with_doubtful_stamps

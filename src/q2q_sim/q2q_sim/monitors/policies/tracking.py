@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_model.signals.masks_over_time import last_row, runs_of_true
+from q2q_model.flights.masks_over_time import last_row, runs_of_true
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.exemptions.feedback_loss import (

@@ -9,8 +9,8 @@ from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.choice.desired_motion import DesiredMotion
 from q2q_planner.online.safe.choice.motion_choice import OLD, Choices
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import length
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 
 

@@ -15,9 +15,9 @@ from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.choice.barrier import BarrierLaw, BarrierStates, filter_accelerations
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.motion.followed_reference import ReferenceRows
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.traffic import TrafficRows, TrafficTable, rows_in_pairs
 from q2q_planner.online.safe.motion.vectors import length
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards

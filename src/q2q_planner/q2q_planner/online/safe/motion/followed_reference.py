@@ -11,8 +11,8 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, SwarmSetpoint
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import distance, length
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""

@@ -11,7 +11,7 @@ from q2q_planner.online.safe.motion.followed_reference import (
     followed_rows,
     reference_rows,
 )
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_limited_motion_after
 

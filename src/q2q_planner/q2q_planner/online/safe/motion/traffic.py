@@ -29,8 +29,8 @@ from q2q_planner.online.safe.motion.followed_reference import (
     followed_rows,
     near_rows,
 )
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import length
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 from q2q_planner.online.safe.stopping.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 

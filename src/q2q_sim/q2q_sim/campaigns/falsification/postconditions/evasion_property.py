@@ -23,7 +23,7 @@ import numpy as np
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
-from q2q_model.signals.masks_over_time import runs_of_true
+from q2q_model.flights.masks_over_time import runs_of_true
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.campaigns.falsification.postconditions.hidden_motion import (

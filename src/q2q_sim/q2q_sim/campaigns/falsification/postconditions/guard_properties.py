@@ -11,7 +11,7 @@ import numpy as np
 
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.pid.pid_params import PidParams
-from q2q_model.signals.masks_over_time import runs_of_true
+from q2q_model.flights.masks_over_time import runs_of_true
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_sim.campaigns.falsification.postconditions.postcondition_outcome import PostconditionOutcome

@@ -15,7 +15,7 @@ from math import nan
 
 import numpy as np
 
-from q2q_model.signals.masks_over_time import last_row
+from q2q_model.flights.masks_over_time import last_row
 from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import DOWN

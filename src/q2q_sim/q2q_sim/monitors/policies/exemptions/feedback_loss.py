@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
-from q2q_model.signals.masks_over_time import last_time
+from q2q_model.flights.masks_over_time import last_time
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
