@@ -12,6 +12,7 @@ import rclpy
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
+from q2q_model.counted import MOST_NAMES
 from q2q_model.diagnostics.health import Health
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
@@ -19,7 +20,6 @@ from q2q_model.geometry.rotations import identity_quat
 from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, warning_log
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.ros.node.input_warnings import (
-    MOST_NAMES,
     AbsentNames,
     StalledStampWarning,
     warn_of_missing_names,

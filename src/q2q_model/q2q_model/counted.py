@@ -2,6 +2,9 @@
 
 from collections.abc import Sequence
 
+MOST_NAMES = 20
+"""Most names in a list of a warning."""
+
 
 def counted(count: int, noun: str) -> str:
     """Return a count and its noun, in the plural, which ends in s, unless the count is one."""
@@ -12,3 +15,8 @@ def first_of(parts: Sequence[str], most: int) -> list[str]:
     """Return the first `most` parts, and in words how many more there are."""
     rest = [f"and {len(parts) - most} more"] if len(parts) > most else []
     return [*parts[:most], *rest]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return the first names of vehicles or nodes, and in words how many more there are."""
+    return ", ".join(first_of(names, MOST_NAMES))

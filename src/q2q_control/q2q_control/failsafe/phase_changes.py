@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCommand, rows_by_name
 
@@ -39,7 +40,7 @@ class PhaseChange:
     def __str__(self) -> str:
         """Return the change in words."""
         phase = "the controller flies on" if self.phase is FLOWN else f"failsafe {self.phase.name}"
-        return f"{', '.join(self.names)}: {phase}"
+        return f"{listed(self.names)}: {phase}"
 
 
 class PhaseChanges:
@@ -109,4 +110,4 @@ class PhaseChanges:
 
 def cut_reason(names: Names, *, emergency: bool) -> str:
     """Return why the motors of these vehicles are off."""
-    return f"{', '.join(names)}: {EMERGENCY_CUT if emergency else FAILSAFE_CUT}"
+    return f"{listed(names)}: {EMERGENCY_CUT if emergency else FAILSAFE_CUT}"

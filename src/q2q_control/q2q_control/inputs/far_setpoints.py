@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
 
 FAR_M = 1.0
@@ -28,7 +29,7 @@ def far_apart(names: Names, aim: Array, pos: Array) -> dict[str, float]:
 
 def distances_text(away: Mapping[str, float]) -> str:
     """Return vehicles with their distances [m]: "cf1 1.2 m, cf2 3.0 m"."""
-    return ", ".join(f"{name} {distance:.1f} m" for name, distance in away.items())
+    return listed([f"{name} {distance:.1f} m" for name, distance in away.items()])
 
 
 class FarSetpointMonitor:

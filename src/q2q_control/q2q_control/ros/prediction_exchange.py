@@ -13,6 +13,7 @@ from q2q_control.mpc.neighbours.exchanged_paths import SILENT
 from q2q_control.mpc.neighbours.own_predictions import OwnPredictions
 from q2q_control.mpc.neighbours.time_slots import BroadcastSchedule
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
+from q2q_model.counted import listed
 from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.messages import stamp_of
@@ -81,7 +82,7 @@ class PredictionExchange:
         """Report which neighbours are silent, and that others fly own vehicles."""
         self._wiring.health.doubts[f"{PREDICTIONS} conflicts"] = self._conflicts()
         silent = self._mpc.silent_neighbours(self._state) if self._state is not None else ()
-        names = ", ".join(silent)
+        names = listed(silent)
         report = f"{PREDICTIONS}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
         if silent and silent != self._silent:
             self._node.get_logger().warning(report)
@@ -93,10 +94,8 @@ class PredictionExchange:
         conflicts = self._own.take_conflicts()
         if not conflicts:
             return ""
-        writers = ", ".join(publishers_of(self._node, PREDICTIONS))
-        report = (
-            f"{PREDICTIONS}: another node flies {', '.join(conflicts)}, too; stop one ({writers} write it)"
-        )
+        writers = listed(publishers_of(self._node, PREDICTIONS))
+        report = f"{PREDICTIONS}: another node flies {listed(conflicts)}, too; stop one ({writers} write it)"
         if conflicts not in self._warned:
             self._warned.add(conflicts)
             self._node.get_logger().warning(report)

@@ -4,6 +4,7 @@ The filter goes on without what is wrong (q2q_model.estimation.position), but so
 the markers.
 """
 
+from q2q_model.counted import listed
 from q2q_model.estimation.filter_report import FrameWarnings
 from q2q_model.estimation.rejected_shares import RejectedShares
 
@@ -49,4 +50,4 @@ class MocapWarnings:
         """Return what has lasted, with the vehicles."""
         lasting = [one for one, since in self._since.items() if t - since > LASTING]
         named = {text: [name for kind, name in lasting if kind == wrong] for wrong, text in _WORDS.items()}
-        return "; ".join(text.format(", ".join(names)) for text, names in named.items() if names)
+        return "; ".join(text.format(listed(names)) for text, names in named.items() if names)

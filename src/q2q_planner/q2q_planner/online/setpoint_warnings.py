@@ -4,6 +4,7 @@ from math import isfinite
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import PROMISE_BROKEN, Mask, Names, SwarmSetpoint
 from q2q_planner.online.finite_setpoints import nonfinite_rows
@@ -56,4 +57,4 @@ def _is_finite(setpoint: SwarmSetpoint) -> bool:
 def _of(names: Names, which: Mask, what: str) -> str:
     """Return the vehicles of a warning, and what is wrong."""
     rows = np.flatnonzero(which)
-    return f"{what}: {', '.join(names[row] for row in rows)}" if rows.size else ""
+    return f"{what}: {listed([names[row] for row in rows])}" if rows.size else ""

@@ -8,6 +8,7 @@ from math import isfinite
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.signals.values import Array, MocapFrame, Names, SetpointStatus, SwarmSetpoint, index_of
 
@@ -54,7 +55,7 @@ class MeasuredPoses:
             name for name, one in zip(self._names, seen, strict=True) if not np.isfinite(one[:3]).all()
         ]
         if missing:
-            raise ValueError(f"{', '.join(missing)} has not been measured yet: no reference before that")
+            raise ValueError(f"{listed(missing)} has not been measured yet: no reference before that")
         return seen
 
 

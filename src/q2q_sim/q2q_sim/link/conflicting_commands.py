@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.signals.values import Names, SwarmCommand
 
 RECENT = 32
@@ -44,8 +45,8 @@ def conflict_note(vehicles: Names, writers: Sequence[str]) -> str:
     """Return what to do about vehicles that two writers of `command` fly; empty for fewer writers."""
     if len(writers) < 2:
         return ""
-    what = f"command: two nodes fly {', '.join(vehicles)}: stop one, or give each `vehicles` of its own"
-    return f"{what} ({', '.join(writers)} write it)"
+    what = f"command: two nodes fly {listed(vehicles)}: stop one, or give each `vehicles` of its own"
+    return f"{what} ({listed(writers)} write it)"
 
 
 def _at_odds(one: SwarmCommand, other: SwarmCommand) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.signals.values import Names, SwarmCommand
 
 
@@ -72,7 +73,7 @@ def _check_known(names: Names, known: Names) -> None:
     """Raise ValueError if a command names a vehicle that does not exist."""
     unknown = [] if names == known else [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"command for unknown vehicle {', '.join(unknown)}; flying are {', '.join(known)}")
+        raise ValueError(f"command for unknown vehicle {listed(unknown)}; flying are {listed(known)}")
 
 
 def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:

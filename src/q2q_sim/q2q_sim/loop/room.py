@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.signals.stamps import TICK_NS, TICK_S, time_from_stamp
 from q2q_model.signals.values import (
     Array,
@@ -167,8 +168,8 @@ class Room:
     def _known_rows(self, names: Names) -> Rows:
         rows = index_of(names, self.names)
         if (rows < 0).any():
-            unknown = ", ".join(name for name in names if name not in self.names)
-            raise ValueError(f"command for {unknown}: no such vehicle; flying are {', '.join(self.names)}")
+            unknown = listed([name for name in names if name not in self.names])
+            raise ValueError(f"command for {unknown}: no such vehicle; flying are {listed(self.names)}")
         return rows
 
     def _check_finite(self, names: Names, values: Array) -> None:

@@ -8,6 +8,7 @@ one that comes after the next frame is late, its tick missed, and it is flown if
 from collections.abc import Callable
 from dataclasses import replace
 
+from q2q_model.counted import listed
 from q2q_model.diagnostics.health import Health
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.cdr.cdr_reader import SignalReader
@@ -104,7 +105,7 @@ class RoomFlight:
         """Return what a stalled tick in lockstep waits for; empty if none does, or stamps are the cause."""
         if not self._is_stalled or self.misstamped:
             return ""
-        return f"command of {', '.join(self._gate.missing())} not received: is a controller running?"
+        return f"command of {listed(self._gate.missing())} not received: is a controller running?"
 
     @property
     def _is_stalled(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, VehicleReport
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_model.counted import listed
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Array
 
@@ -24,12 +25,12 @@ CUT_REMEDY = (
 def connection_refusal(observation: Observation) -> str:
     """Return which vehicles are not connected."""
     offline = [one.name for one in observation.vehicles if not one.connected]
-    return f"{', '.join(offline)} offline: check URI, battery and radio" if offline else ""
+    return f"{listed(offline)} offline: check URI, battery and radio" if offline else ""
 
 
 def cut_refusal(observation: Observation) -> str:
     """Return whose motors the controller has cut; its commands carry them no more."""
-    cut = ", ".join(observation.cut)
+    cut = listed(observation.cut)
     return f"the controller has cut {cut} {CUT_REMEDY}" if cut else ""
 
 
@@ -57,7 +58,7 @@ def airborne_refusal(observation: Observation) -> str:
     return (
         connection_refusal(observation)
         or _first(_lock_refusal(one) for one in observation.vehicles)
-        or (f"{', '.join(grounded)} not flying: land all, then call take_off" if grounded else "")
+        or (f"{listed(grounded)} not flying: land all, then call take_off" if grounded else "")
     )
 
 
@@ -89,7 +90,7 @@ def stale_refusal(name: str, age: float, stale_s: float) -> str:
 
 def attitude_refusal(observation: Observation) -> str:
     """Return which vehicles have no attitude to fly by."""
-    turned = ", ".join(observation.without_attitude)
+    turned = listed(observation.without_attitude)
     remedy = "are its quaternions x, y, z, w, and its markers as defined?"
     return f"{turned} was never measured upright: {remedy}" if turned else ""
 
@@ -135,7 +136,7 @@ def unchecked(observation: Observation) -> str:
         what: [one.name for one in observation.vehicles if is_silent(one)]
         for what, is_silent in silent.items()
     }
-    missing = [f"{what} of {', '.join(names)}" for what, names in of.items() if names]
+    missing = [f"{what} of {listed(names)}" for what, names in of.items() if names]
     return f"not checked: {'; '.join(missing)}" if missing else ""
 
 
@@ -187,7 +188,7 @@ def _places(observation: Observation, params: FlightProcedureParams) -> Iterator
         yield "no plan is waiting: start trajectory with a plan and wait:=true"
         return
     if set(observation.plan.names) != set(observation.names):
-        planned, flown = ", ".join(observation.plan.names), ", ".join(observation.names)
+        planned, flown = listed(observation.plan.names), listed(observation.names)
         yield f"the plan is for {planned}, the vehicles are {flown}"
         return
     off = observation.pos[:, :2] - observation.first_points()[:, :2]

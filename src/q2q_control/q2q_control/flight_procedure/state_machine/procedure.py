@@ -32,6 +32,7 @@ from q2q_control.flight_procedure.state_machine.procedure_state import Procedure
 from q2q_control.flight_procedure.state_machine.step_ends import end_step
 from q2q_control.flight_procedure.state_machine.transitions import ACTS_OF, check_refusal, step_refusal
 from q2q_control.flight_procedure.steps import FLYING, Act, Call, Step
+from q2q_model.counted import listed
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array
 
@@ -164,6 +165,6 @@ class FlightProcedure:
     def _leave_alone(self, observation: Observation, t: float) -> None:
         """Follow vehicles that no longer fly setpoints: their motors were cut, or they land."""
         cut = [one.name for one in observation.vehicles if one.cut]
-        why = f"motors of {', '.join(cut)} stopped" if cut else "by themselves"
+        why = f"motors of {listed(cut)} stopped" if cut else "by themselves"
         self.state.answer(granted=False, reason=f"no vehicle flies setpoints: landing, {why}")
         self.state.enter(Step.LANDING, t, why)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from q2q_model.counted import first_of
+from q2q_model.counted import listed
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.signals.layout import Signal
@@ -16,8 +16,6 @@ from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import Names
 
 TakeSignal = Callable[[int, Signal], None]
-MOST_NAMES = 20
-"""Most names in a list of a warning."""
 
 
 def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal:
@@ -26,7 +24,7 @@ def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
     def unknown(names: Names) -> Names:
         return tuple(sorted(set(names) - set(vehicles))) if vehicles else ()
 
-    why = f"ignored: vehicles are {_listed(vehicles)}"
+    why = f"ignored: vehicles are {listed(vehicles)}"
     return _warn_once(node, topic, unknown, lambda _: why, MOST_WARNINGS)
 
 
@@ -37,7 +35,7 @@ def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
         return tuple(sorted(set(vehicles) - set(names)))
 
     def why(names: Names) -> str:
-        return f"missing: it has {_listed(names) or 'none'}"
+        return f"missing: it has {listed(names) or 'none'}"
 
     return _warn_once(node, topic, missing, why, MOST_WARNINGS + len(vehicles))
 
@@ -56,14 +54,9 @@ def _warn_once(
         different = differ(last)
         if different not in warned and len(warned) <= most:
             warned.add(different)
-            node.get_logger().warning(f"{topic}: {_listed(different)} {why(last)}")
+            node.get_logger().warning(f"{topic}: {listed(different)} {why(last)}")
 
     return warn
-
-
-def _listed(names: Names) -> str:
-    """Return the first names, and how many more there are."""
-    return ", ".join(first_of(names, MOST_NAMES))
 
 
 class AbsentNames:
@@ -93,7 +86,7 @@ class AbsentNames:
 
     def _compare(self) -> None:
         absent = tuple(sorted(set(self._asked) - set(self._there))) if self._there else ()
-        message = f"{_listed(absent)} not in {self._source}, which has {_listed(self._there)}"
+        message = f"{listed(absent)} not in {self._source}, which has {listed(self._there)}"
         self._health.doubts[f"{self._source}'s vehicles"] = message if absent else ""
         if absent not in self._warned and len(self._warned) <= MOST_WARNINGS:
             self._warned.add(absent)

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from rclpy.node import Node
 
+from q2q_model.counted import listed
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 
@@ -33,7 +34,7 @@ class TopicConflict:
             return ""
         may = f"{self._most} may" if too_many else "each must have a name and vehicles of its own"
         killed = "; one that was killed counts until DDS drops it" if namesakes else ""
-        among = f"{len(writers)} nodes write it ({', '.join(writers)})"
+        among = f"{len(writers)} nodes write it ({listed(writers)})"
         message = f"{self.topic}: {among}; {may}: stop the others{killed}"
         if message not in self._warned and len(self._warned) < MOST_WARNINGS:
             self._warned.add(message)
