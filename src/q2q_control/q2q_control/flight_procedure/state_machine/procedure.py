@@ -20,7 +20,7 @@ failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `
 `start` skips take-off and glide, for vehicles already at their setpoints. In flight, all vehicles land when
 setpoints jump or stay away, or with Crazyswarm2 when nothing is sent to a vehicle. From a hold, `land` first
 glides back to the plan's first points, where the next flight can begin (land_home); so it does from any step
-if vehicles overlap horizontally. A second `land` lands them where they are.
+if vehicles overlap horizontally. A second `land` lands them where they are; one outcome answers both.
 """
 
 from q2q_control.flight_procedure.checks.flight_checks import unchecked
@@ -66,7 +66,7 @@ class FlightProcedure:
         if refusal:
             self.state.log.append(f"{call.value} refused: {refusal}")
             return Reply(granted=False, reason=refusal)
-        if self.state.pending is not Call.EMERGENCY:  # only itself comes after it; one outcome answers both
+        if self.state.pending is not call:  # called again: one outcome answers both
             self.state.answer(granted=False, reason=f"{call.value} took over")
         self.state.pending = call
         self._begin(call, observation, t)
