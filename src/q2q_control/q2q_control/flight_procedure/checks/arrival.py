@@ -19,7 +19,7 @@ from q2q_model.signals.values import Array
 
 
 @dataclass(frozen=True, slots=True)
-class Goal:
+class RestPoints:
     """Points at which vehicles are to rest."""
 
     points: Array
@@ -30,19 +30,21 @@ class Goal:
     """Largest distance from where a rest began [m], until it is complete."""
 
 
-def in_the_air(points: Array, params: FlightProcedureParams) -> Goal:
-    """Return the goal to hover at points (n, 3) [m]."""
-    return Goal(points, params.goal_tolerance, params.still_speed * params.settle_s)
+def in_the_air(points: Array, params: FlightProcedureParams) -> RestPoints:
+    """Return the points (n, 3) [m] to hover at, as those of rest."""
+    return RestPoints(points, params.goal_tolerance, params.still_speed * params.settle_s)
 
 
-def at_height(observation: Observation, params: FlightProcedureParams) -> Goal:
-    """Return the goal of a take-off: anywhere at its height."""
+def at_height(observation: Observation, params: FlightProcedureParams) -> RestPoints:
+    """Return the points of rest of a take-off: anywhere at its height."""
     return in_the_air(_over_the_ground(observation, params, params.take_off_height), params)
 
 
-def on_the_ground(observation: Observation, params: FlightProcedureParams) -> Goal:
-    """Return the goal of a landing, whose last centimetres are slow: on the ground nothing moves any more."""
-    return Goal(_over_the_ground(observation, params, 0.0), params.near_ground, 0.1 * params.near_ground)
+def on_the_ground(observation: Observation, params: FlightProcedureParams) -> RestPoints:
+    """Return the points of rest of a landing: on the ground nothing moves any more."""
+    return RestPoints(
+        _over_the_ground(observation, params, 0.0), params.near_ground, 0.1 * params.near_ground
+    )
 
 
 class Arrival:
@@ -60,32 +62,32 @@ class Arrival:
         self.there = False
         """All vehicles are measured at their points, at rest or not."""
 
-    def update(self, observation: Observation, goal: Goal, t: float) -> str:
+    def update(self, observation: Observation, rest: RestPoints, t: float) -> str:
         """Return why a vehicle is not at rest at its point at time t [s].
 
         Empty if all are; their rests need not begin together.
         """
         pos, age = observation.pos, observation.age
-        off = np.linalg.norm(pos - goal.points, axis=1)
-        there = (off <= goal.near) & (age <= max(self._settle_s, self._stale_s))
+        off = np.linalg.norm(pos - rest.points, axis=1)
+        there = (off <= rest.near) & (age <= max(self._settle_s, self._stale_s))
         moved = np.linalg.norm(pos - self._place, axis=1)
-        stays = there & (moved <= np.where(self._rested, goal.near, goal.extent))
+        stays = there & (moved <= np.where(self._rested, rest.near, rest.extent))
         self._place = np.where(stays[:, None], self._place, pos)
         self._since = np.where(stays, self._since, t)
         long_enough = (t - self._since >= self._settle_s) & (age <= self._stale_s)
         self._rested = there & ((stays & self._rested) | long_enough)
         self.there = bool(there.all())
-        return "" if self._rested.all() else self._reason(observation, goal, int(np.argmin(self._rested)), t)
+        return "" if self._rested.all() else self._reason(observation, rest, int(np.argmin(self._rested)), t)
 
-    def _reason(self, observation: Observation, goal: Goal, row: int, t: float) -> str:
+    def _reason(self, observation: Observation, rest: RestPoints, row: int, t: float) -> str:
         name, pos = observation.names[row], observation.pos[row]
         stale = stale_refusal(name, float(observation.age[row]), self._stale_s)
         if stale:
             return stale
-        off = float(np.linalg.norm(pos - goal.points[row]))
-        if not off <= goal.near:
+        off = float(np.linalg.norm(pos - rest.points[row]))
+        if not off <= rest.near:
             return f"{name} is at {float(pos[2]):z.2f} m, {off:.2f} m from where it should be"
-        held = f"within {goal.extent:.2g} m of one place for {t - float(self._since[row]):.2f} s"
+        held = f"within {rest.extent:.2g} m of one place for {t - float(self._since[row]):.2f} s"
         return f"{name} still moves: it has stayed {held}, {self._settle_s:g} s are required"
 
 
