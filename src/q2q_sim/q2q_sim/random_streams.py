@@ -29,7 +29,7 @@ class DrawnAhead:
         self._drawn, self._used = np.empty(0), AHEAD
 
     def next(self) -> Array:
-        """Return the numbers of the next tick."""
+        """Return the numbers of the next tick, of the shape given at the start."""
         if self._used == AHEAD:
             self._drawn, self._used = self._draw(self._shape), 0
         self._used += 1

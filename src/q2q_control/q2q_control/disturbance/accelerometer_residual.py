@@ -40,7 +40,7 @@ class AccelerometerResidual:
         self._early: SwarmImu | None = None
 
     def explain(self, tick: ExplainedTick) -> tuple[float, Array] | None:
-        """Remember a tick; return time and y of a sample that has waited for it."""
+        """Remember a tick; return time [s] and y [m/s^2], (n,), of a sample that has waited for it."""
         if self._ticks.last is not None and tick.names != self._ticks.last.names:
             self._ticks.reset()
         self._ticks.remember(tick)

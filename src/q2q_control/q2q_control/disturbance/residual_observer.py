@@ -121,7 +121,7 @@ class ResidualObserver:
 
 @compiled
 def advance(belief: Belief, known: Mask, rows: ResidualRows, step: float, share: float) -> None:
-    """Propagate by a step [s] and correct by heights, in place; rows that are not `known` are reset.
+    """Propagate by a step [s] and correct by heights, in place; rows that are not `known` (n,) are reset.
 
     `share` is what remains of w [-].
     """

@@ -83,7 +83,7 @@ the horizontal and the vertical reach [m]."""
 
 @compiled
 def body_z(state: Array, axis: Array) -> None:
-    """Write the body z axis of one vehicle; level where its orientation is unknown."""
+    """Write the body z axis (3,) of a row of `states`; level where its orientation is unknown."""
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
     axis[2] = 1.0 - 2.0 * (x * x + y * y)
@@ -156,7 +156,15 @@ def _near_enough(pairs: OrderedPairs, pos: Array, far: Array) -> OrderedPairs:
 def sum_over_sources(
     pairs: OrderedPairs, outputs: PairInteractions, now: Array, known: bool, sums: InteractionSums
 ) -> None:
-    """Write the sums; `known` is whether there is a model."""
+    """Write the sums.
+
+    Args:
+        pairs: (p,) each.
+        outputs: of the pairs.
+        now: position [m], velocity [m/s] and body z of the vehicles, world, (n, 9).
+        known: whether there is a model.
+        sums: of the vehicles.
+    """
     (feels, _), (eta, deviation, stale, ended) = pairs, outputs
     acc, std, status = sums
     n = now.shape[0]

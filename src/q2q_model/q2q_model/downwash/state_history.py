@@ -55,7 +55,7 @@ class StateHistory:
         return states_at(*self.held, t, vehicles)
 
     def reordered(self, rows: Rows) -> "StateHistory":
-        """Return the history with other rows: row k is old row rows[k], or NaN where that is -1."""
+        """Return the history with `rows` (n,): row k is old row rows[k], or NaN where that is -1."""
         other = StateHistory(rows.size, self._span)
         for k in range(self._start, self._end):
             sample = np.where((rows < 0)[:, None], np.nan, self._samples[k][rows])

@@ -154,7 +154,15 @@ def _side_by_side(trajectories: tuple[Trajectory, ...]) -> _Table:
 
 @compiled
 def swarm_at(starts: Array, duration: Array, coefficients: Array, when: float, xi: Array) -> None:
-    """Write xi, xi', xi'' of every vehicle at a time since the start [s]."""
+    """Write xi, xi', xi'' of every vehicle at a time `when` since the start [s].
+
+    Args:
+        starts: of the pieces [s], (n, pieces).
+        duration: of the trajectories [s], (n,).
+        coefficients: ascending powers of the time in a piece, (n, pieces, 4, order).
+        when: [s]
+        xi: x, y, z [m], yaw [rad] and their first two derivatives, written, (n, 3, 4).
+    """
     order = coefficients.shape[3]
     for i in range(duration.size):
         clipped = min(max(when, 0.0), duration[i])

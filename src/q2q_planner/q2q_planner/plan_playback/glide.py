@@ -80,7 +80,7 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
 
 
 def wrap_angles(angle: Array) -> Array:
-    """Return angles [rad] from -pi to pi."""
+    """Return angles (...,) [rad] from -pi to pi."""
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 

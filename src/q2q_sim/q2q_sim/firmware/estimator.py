@@ -65,13 +65,13 @@ class Estimator:
         return np.asarray(self._variances.T.ravel())
 
     def forget(self, initial_pos: Array, true_pos: Array) -> None:
-        """Reset to an estimate at rest at `initial_pos` [m]."""
+        """Reset to an estimate at rest at `initial_pos` [m]; world, (3,), both."""
         self.drift[:3], self.drift[3:] = initial_pos - true_pos, 0.0
         self._cov[:] = 0.0
         self._variances[:, 0], self._variances[:, 1] = START_STD**2, START_VEL_STD**2
 
     def predict(self, acc_noise: Array) -> None:
-        """Grow the covariance by one tick; `acc_noise` q of x, y, z [m/s^2]."""
+        """Grow the covariance by one tick; `acc_noise` q of x, y, z [m/s^2], (3,)."""
         self._cov[:] = STEP @ self._cov @ STEP.T
         h = DT / NOISE_STEPS
         noise = np.stack([acc_noise * h * h, acc_noise * h], axis=1) ** 2  # (3, 2)

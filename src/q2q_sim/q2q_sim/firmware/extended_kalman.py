@@ -95,7 +95,7 @@ class ExtendedKalman:
         self._start(np.ones(count, dtype=np.bool_))
 
     def predict(self, specific_force_body: Array, ang_vel_body: Array, *, flying: bool) -> None:
-        """Advance by one tick."""
+        """Advance by one tick, with specific force [m/s^2] and angular velocity [rad/s], body, (n, 3)."""
         params, w = self._params, ang_vel_body
         only_thrust = flying and not params.all_axes
         f = specific_force_body * UP if only_thrust else specific_force_body

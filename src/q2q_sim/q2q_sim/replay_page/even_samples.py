@@ -13,7 +13,7 @@ HOLE_S = 0.05
 
 
 def even_times(t: Array, rate: float) -> Array:
-    """Return times at an even rate [Hz] over stamps t [s].
+    """Return times (m,) at an even rate [Hz] over stamps t (T,) [s].
 
     Raises:
         ValueError: the stamps span more than `MOST_SAMPLES`, as by a clock that was set.

@@ -26,7 +26,14 @@ def height_loss(flight: Flight, pos: Array, ref_pos: Array) -> Array:
 
 
 def height_loss_text(flight: Flight, pos: Array, ref_pos: Array, since: float) -> str:
-    """Return who lost most height and when, `since` seconds after the start of the flight; or why nobody."""
+    """Return who lost most height and when, or why nobody.
+
+    Args:
+        flight: a part of one.
+        pos: positions [m], world, (T, n, 3).
+        ref_pos: references [m], world, (T, n, 3).
+        since: start of the part, from that of the flight [s].
+    """
     under = exposed(pos, flight.t, 0.0).any(axis=0)
     if not under.any():
         return "no vehicle passed under another"

@@ -36,7 +36,7 @@ class AirTrail:
     parcels: deque[tuple[float, Array, Array]] = field(default_factory=deque)
 
     def add(self, t: float, pos: Array, axis: Array, longest: float) -> None:
-        """Add the air that leaves now; drop air older than `longest` [s]."""
+        """Add the air that leaves pos (3,) [m] now, against axis (3,); drop air older than `longest` [s]."""
         if self.parcels and t <= self.parcels[-1][0]:
             self.parcels.clear()
         self.parcels.append((t, pos, axis))

@@ -102,7 +102,7 @@ def sweep_tables(models: AxisModels) -> Array:
 
 
 def gains_of_table(table: Array) -> AxisGains:
-    """Return the gains of an axis from their table."""
+    """Return the gains of an axis from their table, (13, 3)."""
     b, feedback, qux, push_cost, weight, push = table[0], table[1], table[2], table[3], table[4], table[5]
     quu, effort = float(table[6, 0]), float(table[6, 1])
     return AxisGains(b, feedback, qux, push_cost, weight, push, quu, effort, table[7:10], table[10:13])

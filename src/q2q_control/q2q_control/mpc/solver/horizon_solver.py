@@ -116,7 +116,7 @@ def coupled_axes(params: MpcParams) -> tuple[int, ...]:
 
 
 def groups_of(root: Rows) -> list[list[int]]:
-    """Return the vehicles of each group; `root` is that of `group_roots`."""
+    """Return the vehicles of each group; `root` (n,) is that of `group_roots`."""
     groups: dict[int, list[int]] = {}
     for vehicle, first in enumerate(root.tolist()):
         if first >= 0:

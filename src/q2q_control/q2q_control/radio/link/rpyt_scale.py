@@ -27,11 +27,11 @@ class RpytScale:
     """Collective thrust with every motor at PWM_FULL [N]."""
 
     def pwm_of(self, thrust: Array) -> Array:
-        """Return the PWM of a collective thrust [N], neither rounded nor clipped."""
+        """Return the PWM of collective thrusts (...,) [N], neither rounded nor clipped."""
         return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
 
     def rpyt_pwm_of(self, thrust: Array) -> Array:
-        """Return the PWM of a collective thrust [N] as an RPYT setpoint carries it."""
+        """Return the PWM of collective thrusts (...,) [N] as RPYT setpoints carry them."""
         return np.clip(np.round(self.pwm_of(thrust)), 0, RPYT_PWM_MAX)
 
 

@@ -93,7 +93,7 @@ def _unmatched(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
 
 
 def clock_mismatch(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> str:
-    """Return why ascending stamps `t` are of other times than the ticks; empty if they are not.
+    """Return why ascending stamps t (m,) [s] are of other times than ticks (T,) [s]; empty if they are not.
 
     They may end up to `before_s` [s] before the first tick.
     """
@@ -104,7 +104,7 @@ def clock_mismatch(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> 
 
 
 def clock_set_back(t: Array) -> str:
-    """Return where the clock of stamps in the order of the recording was set back; empty if it was not.
+    """Return where the clock of stamps (m,) [s] in recorded order was set back; empty if it was not.
 
     Some stamps in a row are then older by more than SET_BACK_S than as many in a row before, and among the
     others; fewer are late or wrong, and of those that fill a hole of the others sorting is the order.

@@ -57,7 +57,7 @@ class FlightTable:
 
 
 def flight_table(columns: Mapping[str, Array]) -> FlightTable:
-    """Return a table's columns sorted by vehicle.
+    """Return a table's columns, (T,) each, sorted by vehicle.
 
     Raises ValueError for a table without t or positions or with fewer than two rows, one whose columns can be
     read as those of one vehicle or of several, a time that is negative, not a number or not increasing, or

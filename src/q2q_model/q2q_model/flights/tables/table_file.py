@@ -14,7 +14,7 @@ TABLES = (".parquet", ".csv")
 
 
 def read_columns(path: Path) -> Mapping[str, Array]:
-    """Return a table file's columns as float64.
+    """Return a table file's columns as float64, (rows,) each.
 
     Raises ValueError for a file of another kind, or one that cannot be read; FileNotFoundError for none.
     """

@@ -25,7 +25,7 @@ def stamped_times(stamps: NDArray[np.generic], unit: float) -> Array:
 
 
 def rising_rows(t: Array) -> NDArray[np.intp]:
-    """Return rows with rising times, one of each, without those outside the times of their neighbours."""
+    """Return rows of t (m,) [s] with rising times, one of each, none outside the times of its neighbours."""
     rows = np.flatnonzero(~_out_of_order(t))
     rows = rows[np.diff(np.maximum.accumulate(t[rows]), prepend=-np.inf) > 0.0]
     if len(rows) > 1 and t[rows[-1]] - t[rows[-2]] > LONGEST_PAUSE_S:

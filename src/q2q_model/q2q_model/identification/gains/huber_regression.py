@@ -16,7 +16,12 @@ SIGNIFICANCE = 0.01
 
 
 def huber_fit(design: Array, target: Array) -> tuple[Array, Array]:
-    """Return the parameters and the Huber weight of every row, by iterative reweighting."""
+    """Return the parameters (p,) and the Huber weight of every row (m,), by iterative reweighting.
+
+    Args:
+        design: derivatives of the target with respect to the parameters, (m, p).
+        target: [m/s^2], (m,).
+    """
     weight = np.ones_like(target)
     scale = _scale(design)
     scaled = design / scale
@@ -31,7 +36,7 @@ def huber_fit(design: Array, target: Array) -> tuple[Array, Array]:
 
 
 def robust_deviation(residual: Array) -> float:
-    """Return the standard deviation from the median absolute residual, for a normal."""
+    """Return the standard deviation of residuals (m,) from their median size, for a normal [m/s^2]."""
     return max(1.4826 * float(np.median(np.abs(residual))), RESOLUTION)
 
 
@@ -39,6 +44,11 @@ def significance(whole: Array, less: Array, target: Array) -> float:
     """Return the level at which an F test finds the columns that `whole` has besides `less` significant [-].
 
     It compares weighted sums of squares; correlated rows count as fewer.
+
+    Args:
+        whole: design, (m, p).
+        less: design without these columns, (m, < p).
+        target: [m/s^2], (m,).
     """
     _, weight = huber_fit(whole, target)
     full, reduced = (_weighted_residual(design, target, weight) for design in (whole, less))

@@ -27,7 +27,7 @@ def pushes_and_errors(jet: Jet, samples: Sequence[PushSamples]) -> tuple[Array, 
 
 
 def affine_deviation(push: Array, error: Array) -> tuple[float, float]:
-    """Return floor [m/s^2] and share of the deviation floor + share |eta| of residuals.
+    """Return floor [m/s^2] and share [-] of the deviation floor + share |eta| of errors (m,) at |eta| (m,).
 
     Both are those of `deviation_of`, scaled so that 95 % of the rows lie within 1.96 deviations, because the
     tails are not normal.

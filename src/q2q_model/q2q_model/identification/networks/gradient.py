@@ -53,7 +53,7 @@ def unpack(theta: Array, eps: float, d: float) -> EnvelopeNetwork:
 
 
 def pack(model: EnvelopeNetwork) -> Array:
-    """Return theta of a model with 40 hidden units."""
+    """Return theta of a model, (322,) for 40 hidden units in each of two networks."""
     nets = (model.lower, model.upper)
     parts = [
         (n.hidden_weights.ravel(), n.hidden_bias, n.output_weights, np.array([n.output_bias])) for n in nets

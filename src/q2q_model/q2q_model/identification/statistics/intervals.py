@@ -88,7 +88,7 @@ class Stretch:
 
 
 def least_squares_rows(jacobian: Array, residual: Array, cluster: Array) -> EstimatingRows:
-    """Return the rows of an unweighted least-squares fit."""
+    """Return the rows of an unweighted least-squares fit: jacobian (m, p), residual (m,), cluster (m,)."""
     return EstimatingRows(jacobian, residual, np.ones_like(residual), cluster)
 
 

@@ -38,7 +38,7 @@ class SwarmSamples:
 
 
 def sample_swarm(plan: SwarmPlan, spaces: Sequence[DeviationSpace], t: Array) -> SwarmSamples:
-    """Return the samples at times t; vehicles are at rest after their end.
+    """Return the samples at times t (m,) [s]; vehicles are at rest after their end.
 
     Raises:
         ValueError: they do not fit in memory.
@@ -54,7 +54,7 @@ def sample_swarm(plan: SwarmPlan, spaces: Sequence[DeviationSpace], t: Array) ->
 
 
 def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int) -> Array:
-    """Return times between which no pair moves apart or together by more than about `spacing` [m].
+    """Return times (m,) [s] between which no pair moves apart or together by more than about `spacing` [m].
 
     The two fastest vehicles of each moment are assumed to fly head on; at least `fewest` samples.
     """

@@ -26,7 +26,7 @@ class SharedPieces:
 
 
 def split_at(trajectory: Trajectory, cuts: Array) -> Trajectory:
-    """Return the same curve with pieces that also end at `cuts` [s]; at rest beyond its end."""
+    """Return the same curve with pieces that also end at `cuts` (k,) [s]; at rest beyond its end."""
     ends = np.cumsum(trajectory.durations)
     times = _merged(np.concatenate([[0.0], ends, cuts]))
     starts, durations = times[:-1], np.diff(times)
@@ -50,7 +50,7 @@ def shared_pieces(trajectories: Sequence[Trajectory]) -> SharedPieces:
 
 
 def common_cuts(trajectories: Sequence[Trajectory]) -> Array:
-    """Return 0 and the times at which a piece of any vehicle ends [s], rising, more than SAME_TIME apart."""
+    """Return 0 and the times (k,) [s] at which any piece ends, rising, more than SAME_TIME apart."""
     ends = [np.cumsum(trajectory.durations) for trajectory in trajectories]
     return _merged(np.concatenate([[0.0], *ends]))
 

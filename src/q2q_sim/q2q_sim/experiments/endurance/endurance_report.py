@@ -55,7 +55,7 @@ def measured_growths(flight: LongFlight) -> list[Growth]:
 
 
 def bag_rate(t: Array, size: Array) -> Growth:
-    """Return the growth of the rate [kB/s of flight] at which a bag of `size` [bytes] grows."""
+    """Return the growth of the rate [kB/s of flight] of a bag of `size` (m,) [bytes] at times t (m,) [s]."""
     parts = min(WINDOWS, len(t) - 1)
     ends = np.linspace(0, len(t) - 1, parts + 1).astype(np.intp)
     rate = np.diff(size[ends]) / np.diff(t[ends]) / 1000.0

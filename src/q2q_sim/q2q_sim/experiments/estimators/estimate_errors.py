@@ -98,7 +98,7 @@ def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
 
 
 def pooled_median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
-    """Return the 95 % interval of the pooled median by a bootstrap over flights; None below three."""
+    """Return the 95 % interval of the pooled median of flights, (m,) [m] each; None below three flights."""
     if len(flights) < FEWEST_FLIGHTS:
         return None
     rows = flight_draws(len(flights), BOOTSTRAP)

@@ -108,7 +108,7 @@ def estimates(motion: RecordedMotion, given: Mask, seeds: Sequence[int]) -> Mapp
 
 
 def filtered_motion(motion: RecordedMotion, given: Mask) -> FilteredMotion:
-    """Return the states of the mocap filter for frames every tick, without the vehicle where not given."""
+    """Return the states of the mocap filter for a frame each tick, with the vehicle where `given` (T,)."""
     mocap_filter = MocapFilter(MocapFilterParams(), NAME)
     states = [mocap_filter.update(_frame(motion, tick, there=there)) for tick, there in enumerate(given)]
     return FilteredMotion(

@@ -156,7 +156,7 @@ def _compensated(flight: Flight, log: FlightLog | None, mass: float) -> Array:
 
 
 def flying_grid(flight: Flight) -> Array:
-    """Return the even times [s] between the first and the last row with all vehicles in the air.
+    """Return the even times (T,) [s] between the first and the last row with all vehicles in the air.
 
     Raises:
         ValueError: fewer than 5 s.

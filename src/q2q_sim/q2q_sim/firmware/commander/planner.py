@@ -92,7 +92,7 @@ class Planner:
         self._here = goal_at_rest(np.zeros(3), 0.0)
 
     def set_state(self, pos: Array, vel: Array, yaw: float) -> None:
-        """Set the estimated position, from which plans start when idle."""
+        """Set the estimate from which plans start when idle: [m], [m/s], world, (3,), and yaw [rad]."""
         self._here = Goal(pos, vel, np.zeros(3), yaw, np.zeros(3))
 
     def finished(self, t: float) -> bool:

@@ -57,7 +57,7 @@ class Piece:
 
 
 def goal_at_rest(pos: Array, yaw: float) -> Goal:
-    """Return a goal at rest."""
+    """Return a goal at rest at pos [m], world, (3,), and a yaw [rad]."""
     return Goal(pos, np.zeros(3), np.zeros(3), yaw, np.zeros(3))
 
 

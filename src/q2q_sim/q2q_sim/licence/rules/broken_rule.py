@@ -33,12 +33,12 @@ class BrokenRule:
 
 
 def first_tick(broken: Mask) -> int:
-    """Return the first tick at which a condition holds; -1 if it never does."""
+    """Return the first tick at which a condition (T,) holds; -1 if it never does."""
     return int(np.argmax(broken)) if broken.any() else -1
 
 
 def first_lasting_tick(broken: Mask, ticks: int) -> int:
-    """Return the first tick from which a condition holds for so many ticks; -1 if it never does."""
+    """Return the first tick from which a condition (T,) holds for so many ticks; -1 if it never does."""
     if len(broken) < ticks:
         return -1
     return first_tick(np.asarray(np.convolve(broken, np.ones(ticks), mode="valid") >= ticks))

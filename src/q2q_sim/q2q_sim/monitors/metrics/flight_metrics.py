@@ -122,12 +122,12 @@ def held_thrust(thrust: Array) -> Array:
 
 
 def rms(error: Array) -> float:
-    """Return the root mean square; NaN of nothing, and not finite if an error is not."""
+    """Return the root mean square of errors (m,); NaN of nothing, and not finite if an error is not."""
     return float(np.sqrt(np.mean(error**2))) if error.size else float("nan")
 
 
 def largest(error: Array) -> float:
-    """Return the largest size; NaN of nothing, and not finite if an error is not."""
+    """Return the largest size of errors (m,); NaN of nothing, and not finite if an error is not."""
     return float(np.abs(error).max()) if error.size else float("nan")
 
 

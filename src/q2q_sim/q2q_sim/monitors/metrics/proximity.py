@@ -28,7 +28,7 @@ def under_another(pos: Array, aside: float, below: float) -> Mask:
 
 
 def in_zone_once(pos: Array, zone: Cylinder) -> list[tuple[int, int]]:
-    """Return the pairs i < j that are in the zone at any tick."""
+    """Return the pairs i < j of vehicles at pos (T, n, 3) [m] that are in the zone at any tick."""
     i, j = np.nonzero(pairs_within(np.ascontiguousarray(pos), zone.eps, zone.d)[1])
     return list(zip(i.tolist(), j.tolist(), strict=True))
 

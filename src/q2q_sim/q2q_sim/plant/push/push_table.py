@@ -48,7 +48,7 @@ def ends_of_jet(jet: JetTerm, absorption: AbsorptionTerm | None) -> Array:
 
 
 def knots_of(at: Array) -> Knots:
-    """Return knots with bins as wide as the narrowest cell."""
+    """Return knots at rising places (k,) from 0 on [m], with bins as wide as the narrowest cell."""
     bins = min(int(np.ceil(at[-1] / np.diff(at).min() - 1e-9)), MOST_BINS)
     middles = (np.arange(bins) + 0.5) * at[-1] / bins
     cells = np.clip(np.searchsorted(at, middles) - 1, 0, len(at) - 2)

@@ -102,7 +102,7 @@ def normal_equations(place: JetPlace, y: Array, blocks: BlockOfRows) -> Normal:
 
 
 def solve_signed(normal: Normal, weight: Array, penalty: float) -> Array:
-    """Return coefficients of any sign: much sooner solved, and as good for comparing travels or penalties."""
+    """Return coefficients of any sign, (p,), for weights (B,): sooner solved, and as good for comparisons."""
     return np.asarray(np.linalg.solve(_square(normal, weight, penalty), weight @ normal.cross))
 
 
@@ -122,7 +122,7 @@ def solve_penalised(normal: Normal, weight: Array, penalty: float) -> Array:
 
 
 def squared_error(normal: Normal, weight: Array, beta: Array) -> float:
-    """Return sum (y - X beta)^2 over weighted blocks."""
+    """Return sum (y - X beta)^2 for coefficients beta (p,), over blocks of weights (B,)."""
     square = np.tensordot(weight, normal.square, 1)
     return float(weight @ normal.power - 2.0 * weight @ normal.cross @ beta + beta @ square @ beta)
 

@@ -33,10 +33,10 @@ NEARBY = 0.1
 
 
 def push_table(beta: Array, flown: tuple[float, float]) -> Array:
-    """Return P [m/s^2] on the grid of GAPS and RADII for the splines' coefficients.
+    """Return P [m/s^2] on the grid of GAPS and RADII, (gaps, radii).
 
     Args:
-        beta: coefficients of the splines.
+        beta: coefficients of the splines, (p,).
         flown: lowest and highest gap flown [m].
     """
     low, high = flown

@@ -17,7 +17,7 @@ MOST = 1.0
 
 
 def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
-    """Return u for the splines' coefficients of P; None if the upper rows do not show it.
+    """Return u for the splines' coefficients (p,) of P; None if the upper rows do not show it.
 
     They are fewer than FEWEST_ROWS, P is 0 in all of them, or u or an end of its interval is beyond 1, more
     than the source gives.
