@@ -63,8 +63,16 @@ from q2q_planner.online.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.choice.decision import decide
-from q2q_planner.online.safe.choice.desired_motion import FLOOR, DesiredMotion, desired_motion
-from q2q_planner.online.safe.choice.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
+from q2q_planner.online.safe.choice.desired_motion import DesiredMotion, desired_motion
+from q2q_planner.online.safe.choice.motion_choice import (
+    BROKEN,
+    ChoiceRule,
+    Choices,
+    Proven,
+    choice_rule,
+    choices_alone,
+    choices_at,
+)
 from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion, restart_motion, tracked_now
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, still_flown
 from q2q_planner.online.safe.motion.followed_reference import ReferenceRows, reference_rows
@@ -78,7 +86,6 @@ from q2q_planner.online.safe.nonfinite_setpoints import (
     off_reference,
     output_for_all,
 )
-from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
@@ -169,7 +176,7 @@ class SafeReplanner:
         committed, traffic = traffic_at(committed, reference, growth, external, params)
         desired = desired_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
-        choice = _choice(committed, traffic, desired, self._proven, _rule(params, self._turn))
+        choice = _choice(committed, traffic, desired, self._proven, choice_rule(params, self._turn))
         self._committed, decision = decide(committed, desired, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
         broken = (choice == BROKEN) | off | decision.outside | outdated
@@ -199,12 +206,6 @@ class SafeReplanner:
         self._known, self._proven = (own, external), proven
 
 
-def _rule(params: SafeReplannerParams, turn: int) -> ChoiceRule | None:
-    """Return the rule of a tick; None if the replanner is off."""
-    law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
-    return ChoiceRule(law, FLOOR, params.hold, turn) if params.enabled else None
-
-
 def _choice(
     committed: CommittedMotion,
     traffic: TrafficTable,
@@ -214,7 +215,7 @@ def _choice(
 ) -> Choices:
     """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
     if rule is None or not len(traffic.pairs.i):
-        return np.full(traffic.own, NEW, dtype=np.int8)
+        return choices_alone(desired.kind)
     whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
     return choices_at(committed.rows, desired, whole, proven, rule)
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_planner.online.safe.choice.desired_motion import DesiredMotion
+from q2q_planner.online.safe.choice.desired_motion import DesiredMotion, Kinds
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.motion.traffic import TrafficRows
 from q2q_planner.online.safe.stopping.braking import Motions
@@ -18,6 +18,17 @@ class PairedTraffic(NamedTuple):
     rows: TrafficRows
     pairs: Pairs
     certain: Motions
+
+
+class CandidateMotions(NamedTuple):
+    """Two motions of each row."""
+
+    new: Motions
+    """Of external vehicles, every motion that they may fly."""
+    old: Motions
+    """Rest of the old motions; of external vehicles, the motion that they certainly fly."""
+    kind: Kinds
+    """Of the swarm's new motions, (n,)."""
 
 
 @compiled

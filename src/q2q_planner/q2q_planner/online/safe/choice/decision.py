@@ -6,7 +6,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
-from q2q_planner.online.safe.choice.desired_motion import DesiredMotion
+from q2q_planner.online.safe.choice.desired_motion import AS_ASKED, DesiredMotion
 from q2q_planner.online.safe.choice.motion_choice import OLD, Choices
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
@@ -60,7 +60,7 @@ def _decided(
 @compiled
 def _committed(rows: MotionRows, desired: DesiredMotion, choice: Choices, held: float) -> MotionRows:
     acc, hold, jerk = rows.acc.copy(), rows.hold.copy(), rows.jerk.copy()
-    on_reference, pushed = rows.on_reference.copy(), desired.pushed.copy()
+    on_reference, pushed = rows.on_reference.copy(), desired.kind != AS_ASKED
     for row in range(hold.size):
         if choice[row] == OLD:
             pushed[row] = True

@@ -3,12 +3,14 @@
 On its reference a vehicle's desired acceleration is that of the reference, else that of the tracking law of
 (20), e'' = -k_d e' - k_p e, within acc_max; where jerk is bounded, the shift e shrinks as fast as it can stop
 (`approach_speed`), and the acceleration approaches the desired one with the time constant LAG, or `hold` if
-that is longer. Control barriers (`barrier`) correct both.
+that is longer. Control barriers (`barrier`) correct both. A motion of bounded jerk that leads beyond
+speed_max before it rests is not flown: the rest of the old one does not.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
@@ -20,7 +22,7 @@ from q2q_planner.online.safe.motion.traffic import TrafficRows, TrafficTable, ro
 from q2q_planner.online.safe.motion.vectors import length
 from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
-from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
+from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards, speed_bound
 
 Vector = tuple[float, float, float]
 """x, y and z, world."""
@@ -31,8 +33,12 @@ RETURN_BRAKE = 0.75
 """Share of acc_max by which a return of bounded jerk brakes; the rest is for ramps and the reference."""
 TINY = 1e-9
 """Shift below which its direction does not matter [m]."""
-HEADROOM = 0.95
-"""Share of speed_max up to which a vehicle of bounded jerk returns."""
+HEADROOM, LEAST = 0.95, 0.5
+"""Largest and least share of speed_max up to which a vehicle of bounded jerk returns: in between less by the
+speed that it still gains while acc_max is taken back."""
+AS_ASKED, PUSHED, TOO_FAST = 0, 1, 2
+
+Kinds = NDArray[np.int8]
 
 
 class DesiredMotion(NamedTuple):
@@ -42,8 +48,8 @@ class DesiredMotion(NamedTuple):
     """Acceleration [m/s^2], (n, 3); where jerk is bounded, that at the beginning."""
     jerk: Array
     """[m/s^3], (n, 3)."""
-    pushed: Mask
-    """Whom a barrier turned from its desired acceleration, (n,)."""
+    kind: Kinds
+    """AS_ASKED, PUSHED by a barrier, or TOO_FAST: of bounded jerk, it leads beyond speed_max, (n,)."""
 
 
 class _DesiredLaw(NamedTuple):
@@ -57,6 +63,8 @@ class _DesiredLaw(NamedTuple):
     """Largest acceleration [m/s^2]."""
     jerk: float
     """Largest jerk of an axis [m/s^3]; 0 does not bound it."""
+    hold: float
+    """Time for which a motion is held [s]."""
     lag: float
     """Of the approach to the desired acceleration [s]."""
     keep: float
@@ -65,6 +73,8 @@ class _DesiredLaw(NamedTuple):
     """Of the return to the reference, where jerk is bounded."""
     speed: float
     """Up to which a vehicle of bounded jerk returns [m/s]."""
+    speed_max: float
+    """Largest speed of a vehicle of bounded jerk [m/s]."""
     barrier: BarrierLaw
     avoids: bool
 
@@ -73,10 +83,8 @@ def desired_motion(
     committed: CommittedMotion, reference: ReferenceRows, traffic: TrafficTable, params: SafeReplannerParams
 ) -> DesiredMotion:
     """Return the desired motion of the swarm."""
-    acc, jerk, pushed = _desired(
-        committed.rows, reference, traffic.rows, traffic.pairs, _law(traffic.own, params)
-    )
-    return DesiredMotion(acc, jerk, pushed)
+    law = _law(traffic.own, params)
+    return DesiredMotion(*_desired(committed.rows, reference, traffic.rows, traffic.pairs, law))
 
 
 def _law(own: int, params: SafeReplannerParams) -> _DesiredLaw:
@@ -88,30 +96,44 @@ def _law(own: int, params: SafeReplannerParams) -> _DesiredLaw:
         params.k_d,
         params.acc_max,
         params.jerk_max,
+        params.hold,
         params.lag,
         params.margin + FLOOR,
         ApproachLaw(pole, RETURN_BRAKE * params.acc_max),
-        HEADROOM * params.speed_max,
+        _return_speed(params),
+        params.speed_max,
         barrier,
         params.enabled,
     )
 
 
+def _return_speed(params: SafeReplannerParams) -> float:
+    """Return the speed up to which a vehicle of bounded jerk returns [m/s]."""
+    if params.jerk_max == 0.0:
+        return params.speed_max
+    gained = 0.5 * params.acc_max**2 / params.jerk_max
+    return max(LEAST * params.speed_max, min(HEADROOM * params.speed_max, params.speed_max - gained))
+
+
 @compiled
 def _desired(
     rows: MotionRows, reference: ReferenceRows, traffic: TrafficRows, pairs: Pairs, law: _DesiredLaw
-) -> tuple[Array, Array, Mask]:
+) -> tuple[Array, Array, Kinds]:
     own = rows.hold.size
     acc = _towards_reference(rows, reference, law)
-    pushed = np.zeros(own, np.bool_)
+    kind = np.full(own, AS_ASKED, np.int8)
     if law.avoids and pairs.i.size > 0:
-        pushed = _apart(acc, reference, traffic, pairs, law)
+        kind[_apart(acc, reference, traffic, pairs, law)] = PUSHED
     if law.jerk == 0.0:
-        return acc, rows.jerk.copy(), pushed
+        return acc, rows.jerk.copy(), kind
     begin = np.empty_like(acc)
     for row in range(own):
         begin[row] = reference.acc[row] if rows.on_reference[row] else rows.acc[row]
-    return begin, jerk_towards(acc, begin, law.lag, law.jerk), pushed
+    jerk = jerk_towards(acc, begin, law.lag, law.jerk)
+    for row in range(own):
+        if speed_bound(rows.vel, begin, jerk, row, (law.hold, law.jerk)) > law.speed_max:
+            kind[row] = TOO_FAST
+    return begin, jerk, kind
 
 
 @compiled

@@ -1,8 +1,9 @@
 """Choice, for every vehicle, of a motion that is proven against the motions of all others.
 
-Every vehicle has a new motion and the rest of its old one. If a pair of new motions fails, one of the two
-vehicles returns to its old motion, taking turns, and if that does not suffice, so does the other. Old motions
-were proven against each other, so this ends with all pairs proven. They are checked again nevertheless: if
+Every vehicle has a new motion and the rest of its old one. Who would be too fast on the new one begins with
+the old one. If a pair of new motions fails, one of the two vehicles returns to its old motion, taking turns,
+and if that does not suffice, so does the other. Old motions were proven against each other, so this ends with
+all pairs proven. They are checked again nevertheless: if
 even they fail, which requires a broken condition of the promise, both vehicles are BROKEN and fly the new
 motion, which at least pushes them apart.
 
@@ -18,9 +19,15 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Mask, Rows
-from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic, new_motions, old_motions
-from q2q_planner.online.safe.choice.desired_motion import DesiredMotion
+from q2q_planner.online.safe.choice.candidate_motions import (
+    CandidateMotions,
+    PairedTraffic,
+    new_motions,
+    old_motions,
+)
+from q2q_planner.online.safe.choice.desired_motion import FLOOR, TOO_FAST, DesiredMotion, Kinds
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
+from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, with_stops
@@ -43,6 +50,12 @@ class ChoiceRule(NamedTuple):
     """Time for which a new motion is held [s]."""
     turn: int
     """Number of the tick, at any rate: its parity selects the vehicle of a pair that yields first."""
+
+
+def choice_rule(params: SafeReplannerParams, turn: int) -> ChoiceRule | None:
+    """Return the rule of a tick; None if the replanner is off."""
+    law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
+    return ChoiceRule(law, FLOOR, params.hold, turn) if params.enabled else None
 
 
 class _Selection(NamedTuple):
@@ -137,27 +150,38 @@ def _record_proven(selection: _Selection, pairs: Pairs, rule: ChoiceRule) -> Non
 
 
 @compiled
-def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rule: ChoiceRule) -> Choices:
+def choose_motions(candidates: CandidateMotions, pairs: Pairs, proven: Proven, rule: ChoiceRule) -> Choices:
     """Return the choice of each row, (rows,).
 
     Args:
-        new: new motions; of external vehicles, every motion that they may fly.
-        old: rest of the old motions; of external vehicles, the motion that they certainly fly.
+        candidates: see CandidateMotions.
         pairs: rows i < j, i of the swarm.
         proven: pairs of the swarm (n,) and external vehicles (m,) proven together before, (n, m); updated in
             place.
         rule: see ChoiceRule.
     """
+    new, old, kind = candidates
     starts, rests = with_stops(new, rule.law), with_stops(old, rule.law)
     held = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth, new.jerk.copy())
     chosen = StoppingMotions(held, starts.phases.copy())
     choice = np.full(new.hold.size, NEW, np.int8)
     selection = _Selection(starts, rests, chosen, choice, np.zeros(choice.size, np.intp), proven)
+    for row in range(kind.size):
+        if kind[row] == TOO_FAST:
+            _take(selection, rests, row, OLD)
     near = near_pairs(starts, rests, pairs, rule.law)
     checked = np.full(near.size, -1, np.intp)
     while _sweep(selection, pairs, near, checked, rule):
         pass
     _record_proven(selection, pairs, rule)
+    return choice
+
+
+@compiled
+def choices_alone(kind: Kinds) -> Choices:
+    """Return the choices of vehicles without pairs, (n,)."""
+    choice = np.full(kind.size, NEW, np.int8)
+    choice[kind == TOO_FAST] = OLD
     return choice
 
 
@@ -168,4 +192,5 @@ def choices_at(
     """Return the choice of each vehicle of the swarm, (n,): what is built, then what is chosen of it."""
     new = new_motions(traffic.rows, desired, rule.hold)
     old = old_motions(rows, traffic.rows, traffic.certain)
-    return choose_motions(new, old, traffic.pairs, proven, rule)[: rows.hold.size]
+    candidates = CandidateMotions(new, old, desired.kind)
+    return choose_motions(candidates, traffic.pairs, proven, rule)[: rows.hold.size]

@@ -13,6 +13,7 @@ from q2q_model.signals.values import Array, Mask, SwarmSetpoint
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import distance, length
+from q2q_planner.online.safe.stopping.jerk_limited import speed_bound
 
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
@@ -44,6 +45,8 @@ class FollowBounds(NamedTuple):
     """[m/s]."""
     lag: float
     """Of the acceleration, which is taken back [s]."""
+    hold: float
+    """Time for which it is held at least [s]."""
 
 
 def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
@@ -53,7 +56,8 @@ def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
 
 def follow_bounds(params: SafeReplannerParams, dt: float) -> FollowBounds:
     """Return the bounds of a reference, `dt` [s] after the tick before."""
-    return FollowBounds(params.jerk_max, min(dt, params.hold), params.acc_max, params.speed_max, params.lag)
+    most = params.acc_max, params.speed_max
+    return FollowBounds(params.jerk_max, min(dt, params.hold), *most, params.lag, params.hold)
 
 
 @compiled
@@ -72,14 +76,15 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
 
     An acceleration keeps the bound of jerk if it changed by no more than that within the time since the tick
     before, or within `hold` if that was longer ago. A speed keeps its bound if it still does once the
-    acceleration is taken back.
+    acceleration is taken back, and on the fastest stop after `hold`, the motion to which it leads.
     """
     followed = np.empty(rows.hold.size, np.bool_)
     jump = bounds.jerk * bounds.dt + ROUNDING
-    acc = reference.acc
+    acc, steady, held = reference.acc, np.zeros_like(reference.acc), (bounds.hold, bounds.jerk)
     for row in range(followed.size):
         size = length(acc[row, 0], acc[row, 1], acc[row, 2])
         followed[row] = size <= bounds.acc and _speed_ahead(reference, row, bounds) <= bounds.speed
+        followed[row] &= speed_bound(reference.vel, acc, steady, row, held) <= bounds.speed
         for axis in range(3):
             followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= jump
     return followed

@@ -23,6 +23,9 @@ from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions
 
+ROUNDING = 1e-9
+"""Of a speed that is computed in several ways, as a share of it [-]."""
+
 Axis = tuple[float, float, float]
 """Position [m], velocity [m/s] and acceleration [m/s^2] of one axis."""
 
@@ -175,6 +178,32 @@ def stop_reach(stopping: StoppingMotions, law: BrakingLaw, longest: float) -> Ar
         speed = np.sqrt(x * x + y * y + z * z) + most * (motions.hold[row] + most / law.jerk)
         reach[row] = speed * rest_time(stopping, row) + growth[0] + 2.0 * growth[1] * late
     return reach
+
+
+@compiled
+def speed_bound(vel: Array, acc: Array, jerk: Array, row: int, held: tuple[float, float]) -> float:
+    """Return a bound of the speed of a row's motion [m/s]: the largest of each axis, whenever it is reached.
+
+    `held` is the time for which the jerk is held [s], and the largest jerk of the stop [m/s^3]. The bound of
+    the rest of a motion is no larger.
+    """
+    square = 0.0
+    for axis in range(3):
+        square += _axis_speed(vel[row, axis], acc[row, axis], jerk[row, axis], held) ** 2
+    return float(np.sqrt(square))
+
+
+@compiled
+def _axis_speed(vel: float, acc: float, jerk: float, held: tuple[float, float]) -> float:
+    """Return the largest speed of an axis until it rests [m/s]."""
+    hold, most = held
+    if acc == 0.0 and jerk == 0.0:
+        return abs(vel)
+    _, then, left = _held((0.0, vel, acc), jerk, hold)
+    top = max(abs(then), abs(then + 0.5 * left * abs(left) / most))
+    if acc * left < 0.0:  # it turns while jerk is held
+        top = max(top, abs(vel - 0.5 * acc * acc / jerk))
+    return max(abs(vel), (1.0 + ROUNDING) * top)
 
 
 @compiled
