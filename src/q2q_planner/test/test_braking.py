@@ -81,6 +81,18 @@ def test_braking_stops_after_v_squared_over_two_b() -> None:
     assert not vel.any()
 
 
+@settings(max_examples=100)
+@given(st.integers(0, 10**9), st.floats(0.1, 50.0))
+def test_what_has_braked_rests_exactly(seed: int, brake: float) -> None:
+    """After 99 s and after ticks of 10 ms: what rounding leaves of a velocity would have a direction."""
+    motions = random_motions(seed, 20)._replace(hold=np.zeros(20))
+    longest = float(np.linalg.norm(motions.vel, axis=1).max()) / brake
+    assert not motion_after(motions, 99.0, brake)[1].any()
+    for _ in range(int(longest / 0.01) + 2):
+        motions = motions._replace(vel=motion_after(motions, 0.01, brake)[1])
+    assert not motions.vel.any()
+
+
 @settings(max_examples=200)
 @given(st.integers(0, 10**9), st.floats(0.0, 3.0))
 def test_braking_brings_no_two_velocities_further_apart(seed: int, s: float) -> None:

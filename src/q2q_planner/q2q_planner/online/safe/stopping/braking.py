@@ -31,6 +31,8 @@ from q2q_model.signals.values import Array
 
 NEARER = 0.99
 """Share of the initial distance below which a motion is rejected."""
+REST = 1e-12
+"""Share of a velocity that only rounding leaves after the braking time [-]: it is rest."""
 MOST_STEPS = 1000
 """Most steps of the advancement; a pair that needs more is not proven."""
 
@@ -144,7 +146,9 @@ def motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, A
         speed = _speed(vel[row], acc[row], first)
         late = min(when[row] - first, speed / brake)
         distance = _braking_share(when[row], motions.hold[row], speed, brake)
-        left = max(0.0, 1.0 - brake * late / speed) if speed > 0.0 else 0.0
+        left = 1.0 - brake * late / speed if speed > 0.0 else 0.0
+        if left < REST:
+            left = 0.0
         for axis in range(3):
             rate = vel[row, axis] + acc[row, axis] * first
             begun = pos[row, axis] + vel[row, axis] * first + 0.5 * acc[row, axis] * first * first
