@@ -67,6 +67,32 @@ def test_on_the_ground_and_with_sensors_that_fail_nothing_is_corrected() -> None
 
 
 @needs_cc
+@pytest.mark.parametrize("sick", range(9))
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_nothing_is_corrected_while_the_own_motion_is_not_finite(sick: int, value: float) -> None:
+    """In whatever job of a step it comes, and afterwards all is as before."""
+    app, own, bad = NativeApp(library(MEASURED_LAW)), hover(0.0, 0.0, 1.0), hover(0.0, 0.0, 1.0)
+    bad[sick] = value
+    app.hear_motion(1, 0, hover(0.0, 0.0, 1.4))
+    steps = [app.step(at_rest(2000 * k, own, force_up=GRAVITY - 1.0)) for k in range(1, 110)]
+    assert steps[-1] < -0.5
+    assert [app.step(at_rest(2000 * k, bad, force_up=GRAVITY - 1.0)) for k in range(110, 114)] == [0.0] * 4
+    assert app.step(at_rest(2000 * 114, own, force_up=GRAVITY - 1.0)) == pytest.approx(steps[-1], abs=0.1)
+
+
+@needs_cc
+@pytest.mark.parametrize("sick", [{"force_up": math.nan}, {"force_up": math.inf}, {"thrust": math.nan}])
+def test_nothing_is_measured_while_the_force_or_the_thrust_is_not_finite(sick: dict[str, float]) -> None:
+    """A residual that was found decays meanwhile with its time of 0.08 s."""
+    app, own = NativeApp(library(MEASURED_LAW, AppRates(), ResidualProcess())), hover(0.0, 0.0, 1.0)
+    for k in range(1050):
+        found = app.step(at_rest(2000 * k, own, force_up=GRAVITY - (k >= 1000)))
+    given = {"force_up": GRAVITY - 1.0, "thrust": GRAVITY} | sick
+    left = [app.step(at_rest(2000 * k, own, **given)) for k in range(1050, 1090)]
+    assert left[-1] == pytest.approx(found * math.exp(-0.08 / 0.08), rel=1e-3)
+
+
+@needs_cc
 def test_a_push_that_no_model_knows_is_found_within_the_time_of_the_residual() -> None:
     app, own = NativeApp(library(MEASURED_LAW, AppRates(), ResidualProcess())), hover(0.0, 0.0, 1.0)
     for k in range(1000):

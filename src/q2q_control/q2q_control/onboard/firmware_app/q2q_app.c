@@ -61,14 +61,16 @@ float q2q_step(struct q2q_app *app, const struct q2q_input *input) {
   q2q_forget(app, input->now_us);
   if (own->count == 0 || q2q_seconds(own->stamp_us[own->newest], input->now_us) >= Q2Q_PERIOD_S)
     q2q_remember(own, input->now_us, &input->own);
-  work(app, input);
+  const bool placed = q2q_finite(&input->own);
+  if (placed) work(app, input);
   follow(app, input, dt);
   if (!app->flying) {
     restart(app);
     return 0.0f;
   }
-  q2q_measure(&app->correction, input->force_up - app->thrust * input->own.axis[2], app->eta, dt);
+  const float carried = isfinite(input->thrust) ? app->thrust * input->own.axis[2] : NAN;
+  q2q_measure(&app->correction, input->force_up - carried, app->eta, dt);
   const float all = app->ahead + q2q_residual(&app->correction, Q2Q_THRUST_LAG_S);
-  if (!isfinite(all)) return 0.0f;
+  if (!placed || !isfinite(all)) return 0.0f;
   return all > Q2Q_LARGEST ? Q2Q_LARGEST : all < -Q2Q_LARGEST ? -Q2Q_LARGEST : all;
 }

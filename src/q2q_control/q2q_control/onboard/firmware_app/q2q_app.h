@@ -68,7 +68,8 @@ extern const uint32_t q2q_app_bytes, q2q_neighbours;
 /* Forget everything. */
 void q2q_reset(struct q2q_app *app);
 
-/* Return eta^ along z [m/s^2]: subtract it from the setpoint's acceleration. Call at the controller's rate. */
+/* Return eta^ along z [m/s^2]: subtract it from the setpoint's acceleration. Call at the controller's rate.
+   It is 0 where the own motion is not finite; where another input is not, nothing is measured. */
 float q2q_step(struct q2q_app *app, const struct q2q_input *input);
 
 /* Store the motion of neighbour `id` at a time; return false if it is refused: not later than the last one, not

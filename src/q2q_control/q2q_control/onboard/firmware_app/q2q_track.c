@@ -5,14 +5,14 @@
 
 float q2q_seconds(uint32_t from_us, uint32_t to_us) { return (float)(int32_t)(to_us - from_us) * 1e-6f; }
 
-static bool finite(const struct q2q_motion *motion) {
-  for (int k = 0; k < 3; ++k)
-    if (!isfinite(motion->pos[k]) || !isfinite(motion->vel[k]) || !isfinite(motion->axis[k])) return false;
-  return true;
+bool q2q_finite(const struct q2q_motion *motion) {
+  float sum = 0.0f;
+  for (int k = 0; k < 3; ++k) sum += motion->pos[k] + motion->vel[k] + motion->axis[k];
+  return isfinite(sum);
 }
 
 bool q2q_remember(struct q2q_track *track, uint32_t stamp_us, const struct q2q_motion *motion) {
-  if (!finite(motion)) return false;
+  if (!q2q_finite(motion)) return false;
   if (track->count > 0 && (int32_t)(stamp_us - track->stamp_us[track->newest]) <= 0) return false;
   track->newest = (uint16_t)((track->newest + 1) % Q2Q_SAMPLES);
   track->stamp_us[track->newest] = stamp_us;
@@ -123,7 +123,7 @@ static float get(const uint8_t *bytes, float unit) {
 }
 
 bool q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]) {
-  if (!finite(motion)) return false;
+  if (!q2q_finite(motion)) return false;
   packet[0] = id;
   for (int k = 0; k < 3; ++k) {
     put(packet + 1 + 2 * k, motion->pos[k], 1e-3f);

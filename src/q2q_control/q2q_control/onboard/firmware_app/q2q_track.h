@@ -7,6 +7,9 @@
 /* Return the time from one stamp to a later one [s]; negative if it is earlier. */
 float q2q_seconds(uint32_t from_us, uint32_t to_us);
 
+/* Return whether all numbers of a motion are finite; false, too, for finite ones whose sum is not. */
+bool q2q_finite(const struct q2q_motion *motion);
+
 /* Append a sample; return false if it is not later than the last one or not finite. */
 bool q2q_remember(struct q2q_track *track, uint32_t stamp_us, const struct q2q_motion *motion);
 
