@@ -20,6 +20,7 @@ from q2q_sim.monitors.policies.exemptions.thrust_exceeded import thrust_left
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import Injected
 
+NAMES = ("cf1", "cf2", "cf3")
 CALM = replace(library.load("table6"), duration=1.0)
 
 
@@ -66,6 +67,8 @@ def test_a_fault_of_one_vehicle_strikes_its_rows_in_its_time_only(
             continue
         if kind in {"outlier", "jump"}:
             assert np.linalg.norm(tick.frame.pos[1] - clean.frame.pos[1]) == pytest.approx(1.5, rel=1e-12)
+        if kind == "jump":
+            np.testing.assert_array_equal(tick.frame.pos[1], clean.frame.pos[1] + [1.5, 0.0, 0.0])
         if kind == "nan":
             assert np.isnan(tick.frame.pos[1]).all()
         if kind == "flip":
@@ -151,6 +154,51 @@ def test_the_judged_share_of_thrust_is_the_injected_one_at_every_tick() -> None:
     np.testing.assert_allclose(thrust_left(trace, faults), given, rtol=1e-12)
 
 
+def test_rotors_lose_thrust_of_the_vehicles_that_are_named() -> None:
+    faults = (
+        Fault("weak_rotor", 0.1, 0.1, ("cf2",), 0.2),
+        Fault("battery_sag", 0.1, 0.1, ("cf3",), 0.4),
+    )
+    injection = FaultInjection(faults, NAMES, TICK_NS, seed=0)
+    given = np.arange(1.0, 22.0).reshape(3, 7)
+    for tick, weak, sag in ((9, 0.0, 0.0), (15, 0.2, 0.2), (20, 0.0, 0.4)):
+        left = given.copy()
+        left[1, 3] *= 1.0 - weak  # rotor 1 follows the three columns of the rates
+        left[2, 3:] *= 1.0 - sag
+        np.testing.assert_allclose(injection.weakened(given.copy(), tick * TICK_NS), left, rtol=1e-12)
+
+
+def test_packets_are_lost_by_the_vehicles_that_are_named_at_their_share() -> None:
+    faults = (Fault("radio_loss", 0.1, 99.9, ("cf2",), 1.0), Fault("radio_loss", 0.1, 99.9, ("cf3",), 0.2))
+    injection = FaultInjection(faults, NAMES, TICK_NS, seed=0)
+    assert not injection.jammed(9 * TICK_NS).any()
+    lost = np.array([injection.jammed(tick * TICK_NS) for tick in range(10, 10_000)])
+    np.testing.assert_array_equal(lost.mean(axis=0)[:2], [0.0, 1.0])
+    assert lost[:, 2].mean() == pytest.approx(0.2, abs=4.0 * 0.4 / 100.0)  # four standard deviations
+
+
+def test_a_flight_without_packets_is_another() -> None:
+    fault = Fault("radio_loss", 0.1, 0.4, ("cf2",), 1.0)
+    scenario = replace(CALM, duration=0.6, wake="none", faults=(fault,))
+    lost = fly(scenario, FlightOptions(mode="ignoring"))
+    whole = fly(replace(scenario, faults=()), FlightOptions(mode="ignoring"))
+    assert not np.array_equal(lost.true_pos[:, 1], whole.true_pos[:, 1])
+
+
+def test_a_marker_that_jumps_keeps_its_body_when_names_are_exchanged_in_the_same_tick() -> None:
+    """Bodies are displaced before their names are exchanged, in whichever order the faults are listed."""
+    swap, jump = Fault("swap", 0.1, 0.1, ("cf1", "cf2")), Fault("jump", 0.1, 0.1, ("cf1",), -0.5)
+    pos = np.array([[2.0, -1.0, 0.7], [1.0, 0.5, 1.2], [-1.0, 2.0, 0.9]])
+    frame = MocapFrame(0.15, NAMES, pos, np.tile([0.0, 0.0, 0.0, 1.0], (3, 1)))
+    for faults in ((swap, jump), (jump, swap)):
+        injection = FaultInjection(faults, NAMES, TICK_NS, seed=0)
+        injected = np.zeros(3, dtype=np.uint8)
+        found = injection.deliver(frame, 15 * TICK_NS, injected).frame
+        assert found.names == ("cf2", "cf1", "cf3")
+        np.testing.assert_array_equal(found.pos - pos, [[-0.5, 0.0, 0.0], [0.0] * 3, [0.0] * 3])
+        np.testing.assert_array_equal(injected, [Injected.SWAP | Injected.OUTLIER, Injected.SWAP, 0])
+
+
 def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None:
     hover = CALM.vehicle.hover_thrust
     for kind, share in (("weak_rotor", 0.25 * 0.1), ("battery_sag", 0.1)):
@@ -163,16 +211,6 @@ def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None
         # the downwash of half a metre away is not felt by the sensor's thrust, but pushes: 0.25 N
         downwash = room.capture().truth_interference.acc[:, 2] * CALM.vehicle.mass
         np.testing.assert_allclose(force - downwash, [hover * (1.0 - share), hover], rtol=2e-3)
-
-
-def test_radio_loss_cuts_off_the_vehicles_it_names() -> None:
-    scenario = replace(
-        CALM, duration=0.6, wake="none", faults=(Fault("radio_loss", 0.1, 0.4, ("cf2",), 1.0),)
-    )
-    lost = fly(scenario, FlightOptions(mode="ignoring"))
-    whole = fly(replace(scenario, faults=()), FlightOptions(mode="ignoring"))
-    np.testing.assert_array_equal(lost.true_pos[:, 0], whole.true_pos[:, 0])
-    assert not np.array_equal(lost.true_pos[:, 1], whole.true_pos[:, 1])
 
 
 @pytest.mark.parametrize(
