@@ -10,7 +10,7 @@ from q2q_sim.licence.room.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.licence.room.trials import LicenceTrial
 from q2q_sim.licence.rules.licence_limits import LicenceLimits
 
-LIMITS = LicenceLimits()
+LIMITS = LicenceLimits(half_room=(3.0, 2.2))
 TICKS = 1000
 UP = slice(200, 800)
 """Ticks in which the vehicles hover."""

@@ -28,19 +28,36 @@ def test_a_vehicle_levelled_out_once_is_not_reported_and_one_levelled_out_often_
     assert [one.rule for one in broken_rules(log, LIMITS)] == ["setpoints"]
 
 
+@pytest.mark.parametrize(("share", "rules"), [(0.09, []), (0.11, ["setpoints"])])
+def test_a_vehicle_may_be_levelled_out_in_a_tenth_of_its_flight(share: float, rules: list[str]) -> None:
+    log = hover()
+    each = round(0.5 * share * float(log.airborne.sum()))
+    for begin in (300, 500):
+        log.state[begin : begin + each] = State.LEVEL_OUT
+    assert [one.rule for one in broken_rules(log, LIMITS)] == rules
+
+
 def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_reported() -> None:
     turn = command(3.0, CommandKind.PLAN, "go_to", yaw_rad=90.0)
     log = hover()
     assert [one.rule for one in broken_rules(replace(log, commands=(turn,)), LIMITS)] == ["yaw"]
-    spun = hover()
-    spun.yaw_rate[400:419] = 10.0
-    assert broken_rules(spun, LIMITS) == ()
-    spun.yaw_rate[419] = 10.0
-    assert [one.rule for one in broken_rules(spun, LIMITS)] == ["spin"]
+    for sign in (1.0, -1.0):
+        spun = hover()
+        spun.yaw_rate[400:600] = sign * 8.7  # below 500 deg/s
+        spun.yaw_rate[400:419] = sign * 8.8
+        assert broken_rules(spun, LIMITS) == ()
+        spun.yaw_rate[419] = sign * 8.8
+        assert [one.rule for one in broken_rules(spun, LIMITS)] == ["spin"]
     endless = hover()
     endless.pos[800:, 0, 2] = 1.0
     endless.running[800:] = True
     assert [one.rule for one in broken_rules(endless, LIMITS)] == ["end"]
+
+
+@pytest.mark.parametrize(("yaw", "rules"), [(6.2, []), (-6.2, []), (6.4, ["yaw"]), (-6.4, ["yaw"])])
+def test_a_step_of_more_than_a_turn_is_not_in_radians(yaw: float, rules: list[str]) -> None:
+    turn = command(3.0, CommandKind.PLAN, "go_to", yaw_rad=yaw)
+    assert [one.rule for one in broken_rules(replace(hover(), commands=(turn,)), LIMITS)] == rules
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,14 @@ from q2q_sim.licence.client_commands.client_command import CommandKind
 from q2q_sim.licence.rules.licence_rules import broken_rules
 
 
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_vehicle_leaves_the_room_through_each_wall_and_the_ceiling(axis: int) -> None:
+@pytest.mark.parametrize(("axis", "wall"), [(0, 3.0), (0, -3.0), (1, 2.2), (1, -2.2), (2, 2.5), (2, -0.15)])
+def test_a_vehicle_leaves_the_room_through_each_wall_the_ceiling_and_the_floor(
+    axis: int, wall: float
+) -> None:
     log = hover()
-    size = (*LIMITS.half_room, LIMITS.ceiling)[axis]
-    log.pos[400:600, 0, axis] = size + 0.01
+    log.pos[400:600, 0, axis] = wall * 1.01
     assert [one.rule for one in broken_rules(log, LIMITS)] == ["room"]
-    log.pos[400:600, 0, axis] = size - 0.01
+    log.pos[400:600, 0, axis] = wall * 0.99
     assert broken_rules(log, LIMITS) == ()
 
 
