@@ -6,11 +6,21 @@ import numpy as np
 import pytest
 from reckoned_flights import HOVER, NAMES, TICK, UP, LostVehicle, flown, level_at, state_at, ticked
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S, SINK_MAX, TOUCHDOWN_MAX
+from q2q_control.failsafe.blind_flight.braking_law import (
+    BRAKING_MAX,
+    BRAKING_S,
+    SINK_MAX,
+    TOUCHDOWN_MAX,
+    ReckonedMotions,
+    resting_places,
+)
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
     LAG_S,
+    POS,
     THRUST_LAG_S,
+    TRACK_WIDTH,
+    VEL,
 )
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import quat_from_euler, rotate
@@ -48,6 +58,18 @@ def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: 
         assert command.thrust[1] == HOVER
         upright = np.cos(command.roll[0]) * np.cos(command.pitch[0])
         assert command.thrust[0] * upright == pytest.approx(HOVER, rel=0.03)  # the lag of the thrust
+
+
+def test_vehicles_rest_where_the_largest_deceleration_and_then_a_decay_bring_them() -> None:
+    """v^2 - v_1^2 = 2 a_max s down to v_1 = a_max tau, which decays within v_1 tau; the lag adds v L."""
+    start, way = np.array([2.0, -1.0]), np.array([0.6, -0.8])
+    track = np.zeros((2, TRACK_WIDTH))
+    track[:, POS : POS + 2], track[:, POS + 2] = start, 1.3
+    track[0, VEL : VEL + 2], track[1, VEL : VEL + 2] = 4.0 * way, -1.0 * way
+    slow = BRAKING_MAX * BRAKING_S
+    far = 4.0 * LAG_S + (4.0**2 - slow**2) / (2.0 * BRAKING_MAX) + slow * BRAKING_S
+    rest = resting_places(ReckonedMotions(track, np.zeros((2, 3))))
+    np.testing.assert_allclose(rest, [start + far * way, start - (LAG_S + BRAKING_S) * way], rtol=1e-12)
 
 
 def test_commands_that_are_computed_or_held_are_left_alone() -> None:

@@ -86,6 +86,14 @@ def test_a_landing_ordered_while_a_link_is_lost_is_sent_at_once_and_when_it_is_b
     assert set(bench.pilot.phases.values()) == {Phase.LANDING}
 
 
+def test_a_vehicle_that_comes_back_locked_is_on_the_ground_though_it_does_not_say_whether_it_flies() -> None:
+    bench = lost_in_hover()
+    bench.links["cf2"].now = replace(WELL, locked=True)
+    bench.look(0.02)
+    assert bench.links["cf2"].sent == []
+    assert bench.pilot.phases == {"cf1": Phase.CLIMBING, "cf2": Phase.READY}
+
+
 def test_a_vehicle_lost_in_a_hover_is_cut_at_once_and_when_it_is_back() -> None:
     bench = lost_in_hover()
     bench.pilot.cut(("cf2",), bench.t)

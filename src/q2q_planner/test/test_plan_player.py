@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from played_room import ABOVE, GROUND, PLAN, STEP, PlayedRoom, first_points, frame
 
+from q2q_model.node.reply import Reply
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -71,8 +72,9 @@ def seen(player: PlanPlayer, seconds: tuple[float, float], yaw: float = 0.0) -> 
     return [player.update(MocapFrame(t, ("cf1",), np.array([[0.0, 0.0, 1.0]]), quat)) for t in times]
 
 
-def test_a_reference_that_turns_or_points_elsewhere_starts_no_plan_and_no_glide() -> None:
-    player = PlanPlayer(turning(0.0, 1.5), -1.0, GlideParams(), wait=True)
+@pytest.mark.parametrize("turn", [1.5, -1.5])
+def test_a_reference_that_turns_or_points_elsewhere_starts_no_plan_and_no_glide(turn: float) -> None:
+    player = PlanPlayer(turning(0.0, turn), -1.0, GlideParams(), wait=True)
     seen(player, (0.0, 0.1))
     assert player.glide().granted
     seen(player, (0.1, 2.0))
@@ -100,9 +102,10 @@ def test_a_glide_turns_the_short_way_round() -> None:
 def test_no_glide_begins_at_an_outlier() -> None:
     room = PlayedRoom(ABOVE)
     room.tick(0.1)
-    room.pos = ABOVE + np.array([[0.5, 0.5, 1.0], [0.0, 0.0, 0.0]])
+    room.pos = ABOVE + STEP * np.array([[1.26, -1.68, 0.0], [0.0, 0.0, 0.0]])
     room.tick()
-    assert "keep the vehicles at rest" in room.player.glide().reason
-    room.pos = ABOVE
-    room.tick(2 * STEP)
+    words = "a measured position has moved at 2.1 m/s since the frame before: keep the vehicles at rest"
+    assert room.player.glide() == Reply(granted=False, reason=words)
+    room.pos = ABOVE + STEP * np.array([[0.12, -0.16, 0.0], [0.0, 0.0, 0.0]])  # 1.9 m/s from there
+    room.tick()
     assert room.player.glide().granted
