@@ -5,8 +5,10 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, TopicMap, is_bag, read_flight, read_flight_log, read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TYPE, has_log
+from q2q_model.bag.storage.errors import warn_of_repairs
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
+from q2q_model.flights.impossible_values import possible_flight, possible_log
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import TABLES, read_columns
@@ -85,8 +87,12 @@ def flight_of_bag(bag: Path, topics: TopicMap | None = None) -> Flight:
 
 
 def _recording(flight: Flight, log: FlightLog | None) -> Recording:
-    whole = with_filtered_states(flight)
-    return Recording(whole, log, filtered=whole is not flight)
+    """Return the recording of a flight, without impossible values; each is a BagRepairWarning."""
+    known, remarks = possible_flight(flight)
+    own, of_log = possible_log(log) if log is not None else (None, [])
+    warn_of_repairs(tuple(f"flight {flight.name}: {remark}" for remark in (*remarks, *of_log)))
+    whole = with_filtered_states(known)
+    return Recording(whole, own, filtered=whole is not known)
 
 
 def _log(bag: Path) -> FlightLog | None:
