@@ -17,9 +17,10 @@ from mocap_frames import (
 )
 
 from q2q_model.estimation.mocap_filter import LOST_MOST, MocapFilter
-from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
+from q2q_model.estimation.stray_names import LOST_MOST
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.signals.values import Array, MocapFrame, SwarmState
+from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState
 
 
 @pytest.mark.parametrize("length", [1, 20, 45])
@@ -231,10 +232,44 @@ def test_names_that_change_for_ever_do_not_grow_the_state_for_ever():
         assert block.refuses_names == (state.names[-1] != f"m{tick}")
         np.testing.assert_allclose(state.pos[:2], expected.pos, atol=1e-12)
         assert (state.status[:2] == expected.status).all()
-    assert (
-        len(state.names) == len(PAIR) + LOST_MOST + round(COAST_S * 100) + 1
-    )  # one a frame, lost from 0.36 s on
+    assert state.names == (*PAIR, *(f"m{tick}" for tick in range(LOST_MOST)))
     assert block.refuses_names
+
+
+def _crowd(tick: int, names: Names, lost: bool = False) -> MocapFrame:
+    """Return a frame of both vehicles and of others at rest, or without a position."""
+    others = np.arange(len(names))[:, None] * [0.2, 0.0, 0.0] + [0.0, 5.0, np.nan if lost else 1.0]
+    pos = np.concatenate([truth_at(tick)[0], others])
+    return MocapFrame(time_of(tick), (*PAIR, *names), pos, identity_quat((len(pos),)))
+
+
+def test_names_that_one_frame_had_are_forgotten_when_they_are_lost_but_for_a_few():
+    block, alone = MocapFilter(IDEAL_SENSING, ()), MocapFilter(IDEAL_SENSING, PAIR)
+    strays = tuple(f"x{k}" for k in range(200))
+    for tick in range(100):
+        frame = _crowd(tick, strays) if tick == 20 else frame_at(tick)
+        state, expected = block.update(frame), alone.update(frame_at(tick))
+        np.testing.assert_allclose(state.pos[:2], expected.pos, atol=1e-12)
+        np.testing.assert_allclose(state.vel[:2], expected.vel, atol=1e-12)
+        assert (state.status[:2] == expected.status).all()
+        kept = 0 if tick < 20 else LOST_MOST if state.t - time_of(20) > COAST_S + 0.015 else len(strays)
+        assert state.names == (*PAIR, *strays[:kept])
+    assert block.warnings.missing == strays[:LOST_MOST]
+    states = [block.update(_crowd(tick, strays)) for tick in range(100, 160)]
+    assert states[0].names == (*PAIR, *strays[:LOST_MOST])
+    assert states[-1].names == (*PAIR, *strays)  # adopted once those are back
+    assert (states[-1].status == TRACKED).all()
+
+
+def test_vehicles_that_were_tracked_or_are_in_the_frame_without_a_position_are_not_forgotten():
+    fleet = tuple(f"x{k}" for k in range(60))
+    flown, hidden = MocapFilter(IDEAL_SENSING, ()), MocapFilter(IDEAL_SENSING, ())
+    for tick in range(200):
+        seen = flown.update(_crowd(tick, fleet) if tick < 20 else frame_at(tick))
+        there = hidden.update(_crowd(tick, fleet, lost=tick < 150))
+        assert seen.names == there.names == (*PAIR, *fleet)
+    assert (seen.status[2:] == LOST).all()
+    assert (there.status == TRACKED).all()
 
 
 def test_a_filter_that_refused_names_takes_them_after_a_reset():

@@ -6,8 +6,8 @@ accepted sample coasts at constant velocity. Tracking is in the folders position
 rows by name in frame_rows. This file is about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are
-  adopted in the order of their first appearance, and the state grows, but not while LOST_MOST vehicles are
-  lost: names that change, as those of markers without a label, would fill it for good.
+  adopted in the order of their first appearance, and the state grows, but not for good by names that change
+  (stray_names).
 - A vehicle that is missing from the frame, or NaN, coasts (COASTING) for `coast_s`, then it is LOST: position
   held, velocity zero, attitude held. Age grows in both.
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
@@ -26,20 +26,29 @@ rows by name in frame_rows. This file is about frames:
   do not count. A gap is more than GAP_S or, where frames come less often, a lost frame (frame_intervals).
 """
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.filter_report import FilterReport, FrameWarnings
+from q2q_model.estimation.frame_counts import FrameCounts
 from q2q_model.estimation.frame_intervals import FrameIntervals
 from q2q_model.estimation.frame_rows import FrameRows, check_shapes, match_rows, poses_by_track
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
-from q2q_model.estimation.nominal_frame import QUAT_AT, extend_memory, no_poses, nominal_frame, remember_poses
+from q2q_model.estimation.nominal_frame import (
+    QUAT_AT,
+    extend_memory,
+    keep_memory,
+    no_poses,
+    nominal_frame,
+    remember_poses,
+)
 from q2q_model.estimation.pose_faults import pose_faults
 from q2q_model.estimation.position.position_steps import NEEDS_ASSOCIATION, WHOLE
 from q2q_model.estimation.position.position_tracks import PositionTracks
 from q2q_model.estimation.position.track_update import TrackUpdate
+from q2q_model.estimation.stray_names import are_many_lost, kept_tracks
 from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import (
@@ -52,9 +61,6 @@ from q2q_model.signals.values import (
     TrackStatus,
     check_unique,
 )
-
-LOST_MOST = 20
-"""Lost vehicles with which no further name is adopted: a fleet that left the room, or names that change."""
 
 _TRACKED, _COASTING, _LOST = (
     np.uint8(one) for one in (TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.LOST)
@@ -69,13 +75,13 @@ class MocapFilter:
         check_unique(names)
         self._params = params
         self._given = names
-        self._counts = {entry.name: 0 for entry in fields(FilterReport)}
+        self._counts = FrameCounts()
         self.reset()
 
     @property
     def report(self) -> FilterReport:
         """Return the counts so far."""
-        return FilterReport(**self._counts)
+        return self._counts.report
 
     @property
     def warnings(self) -> FrameWarnings:
@@ -118,7 +124,7 @@ class MocapFilter:
             if behind < -SAME_INSTANT and not self._old.reject_ahead(frame.t, self._last.t):
                 self._old.reset()
             elif behind > SAME_INSTANT and self._old.confirm_reset(frame.t):
-                self._counts["clock_resets"] += 1
+                self._counts.add("clock_resets")
                 self._set_back(self._last.t - self._old.first)
             else:
                 return self._left_out(frame, self._last)
@@ -133,7 +139,7 @@ class MocapFilter:
         The frame's poses are remembered, as they may come again under new stamps.
         """
         ahead = frame.t - last.t
-        self._counts["repeated_frames" if abs(ahead) <= SAME_INSTANT else "stale_frames"] += 1
+        self._counts.add("repeated_frames" if abs(ahead) <= SAME_INSTANT else "stale_frames")
         if not abs(ahead) > SAME_INSTANT:
             return last
         if frame.names == self._rows.names:
@@ -159,6 +165,8 @@ class MocapFilter:
         self._all_tracked = np.full(len(self._names), _TRACKED)
 
     def _step(self, frame: MocapFrame) -> SwarmState:
+        if self._wrong and not self._given and self._last is not None:  # not after a nominal frame
+            self._forget_strays(self._last)
         poses, t = self._by_track(frame), frame.t
         if self._last is not None:
             if t - self._last.t > self._intervals.longest:
@@ -172,7 +180,7 @@ class MocapFilter:
         outcome, turned, repeated = nominal_frame(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
             self._wrong = ()
-            self._count_frame()
+            self._counts.add_frame(self._rows, n)
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         if outcome == NEEDS_ASSOCIATION:
             self._positions.allow_gap(self._intervals.longest)
@@ -182,14 +190,14 @@ class MocapFilter:
         if not turned:
             held = repeated & ~self._attitudes.never_accepted
             quat = self._quat_of(tracked, np.where(held[:, None], np.nan, poses[:, QUAT_AT:]))
-            self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
+            self._counts.add("attitudes_refused", self._attitudes.update(t, quat))
         remember_poses(poses, self._recent)
         return self._gapped(t, poses, tracked)
 
     def _gapped(self, t: float, poses: Array, tracked: TrackUpdate) -> SwarmState:
         """Return the state of a tick that is not nominal, after its positions and attitudes were taken."""
         faults = pose_faults(poses, self._params.pos_max)
-        unused = self._count(~faults.missing, tracked)
+        unused = self._counts.add_tick(self._rows, ~faults.missing, tracked)
         rejected = unused & ~(faults.outside | tracked.frozen)
         self._wrong = tracked.borrowed, tracked.frozen, *faults, rejected
         age, status = self._age_and_status(t, tracked)
@@ -199,8 +207,8 @@ class MocapFilter:
 
     def _by_track(self, frame: MocapFrame) -> Array:
         """Return the frame's poses in the order of the tracks, (n, 7); NaN where absent."""
-        if frame.names != self._rows.names or (self.refuses_names and not self._are_many_lost()):
-            if not (self._given or self._are_many_lost()):
+        if frame.names != self._rows.names or (self.refuses_names and not are_many_lost(self._last)):
+            if not (self._given or are_many_lost(self._last)):
                 self._adopt(frame.names)
             self._rows = match_rows(frame.names, self._names)
         return poses_by_track(frame, self._rows, self._names)
@@ -219,9 +227,6 @@ class MocapFilter:
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, _COASTING, _LOST)
         return age, np.where(tracked.trusted, _TRACKED, late)
 
-    def _are_many_lost(self) -> bool:
-        return self._last is not None and int((self._last.status == _LOST).sum()) >= LOST_MOST
-
     def _adopt(self, names: Names) -> None:
         new = tuple(name for name in dict.fromkeys(names) if name not in self._names)
         self._names += new
@@ -230,24 +235,14 @@ class MocapFilter:
         self._recent = extend_memory(self._recent, len(new))
         self._find_memory()
 
-    def _count_frame(self) -> None:
-        """Count a frame, as if every vehicle had a sample."""
-        counts = self._counts
-        counts["frames"] += 1
-        counts["repeated_names"] += self._rows.repeated
-        counts["unknown_names"] += self._rows.unknown
-        counts["samples"] += len(self._names)
-
-    def _count(self, present: Mask, tracked: TrackUpdate) -> Mask:
-        """Count what was done with a tick's samples; return those that no track accepted, (n,)."""
-        self._count_frame()
-        if tracked.nominal:
-            return np.zeros(len(present), dtype=np.bool_)
-        counts, used = self._counts, np.zeros(len(present), dtype=np.bool_)
-        used[tracked.source[tracked.accepted]] = True
-        counts["samples"] += int(present.sum()) - len(present)
-        counts["swapped"] += int(tracked.borrowed.sum())
-        counts["refused"] += int((present & ~used).sum())
-        counts["restarted"] += int(tracked.restarted.sum())
-        counts["not_finite"] += int((self._rows.tracks >= 0).sum() - present.sum())
-        return present & ~used
+    def _forget_strays(self, last: SwarmState) -> None:
+        in_frame = np.isin(np.arange(len(self._names)), self._rows.tracks)
+        kept = kept_tracks(last, self._positions.confirmed, in_frame)
+        if kept.all():
+            return
+        self._names = self._named(kept)
+        self._positions.keep(kept)
+        self._attitudes.keep(kept)
+        self._recent = keep_memory(self._recent, kept)
+        self._rows = FrameRows()  # matched anew
+        self._find_memory()

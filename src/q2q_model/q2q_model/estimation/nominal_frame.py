@@ -45,6 +45,12 @@ def extend_memory(recent: RecentPoses, extra: int) -> RecentPoses:
     return np.concatenate((poses, no_poses(extra)[0]), axis=1), newest
 
 
+def keep_memory(recent: RecentPoses, kept: Mask) -> RecentPoses:
+    """Return the memory of some of the vehicles, (n,)."""
+    poses, newest = recent
+    return np.ascontiguousarray(poses[:, kept]), newest
+
+
 @compiled
 def remember_poses(now: Array, recent: RecentPoses) -> None:
     """Take the poses (n, 7) of a frame in place of the oldest."""

@@ -6,9 +6,10 @@ from dataclasses import asdict, dataclass
 from rclpy.node import Node
 
 from q2q_model.diagnostics.health import Health
-from q2q_model.estimation.mocap_filter import LOST_MOST, MocapFilter
+from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.estimation.mocap_warnings import MocapWarnings
+from q2q_model.estimation.stray_names import LOST_MOST
 from q2q_model.ros.node.input_warnings import StalledStampWarning, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run

@@ -42,6 +42,10 @@ class Reacquisition:
         """Add tracks without candidates."""
         self._candidates = np.concatenate([self._candidates, np.zeros(extra, CANDIDATE)])
 
+    def keep(self, kept: Mask) -> None:
+        """Forget all tracks but some, (n,)."""
+        self._candidates = self._candidates[kept]
+
     def set_back(self, by: float) -> None:
         """Set the times of all candidates back by `by` [s]."""
         self._candidates["first_time"] -= by

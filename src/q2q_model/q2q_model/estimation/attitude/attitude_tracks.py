@@ -65,6 +65,10 @@ class AttitudeTracks:
         known, self._table = self._table, _unseen(len(self._table) + extra)
         self._table[: len(known)] = known
 
+    def keep(self, kept: Mask) -> None:
+        """Forget all vehicles but some, (n,)."""
+        self._table = self._table[kept]
+
     @property
     def _tracks(self) -> Attitudes:
         """Return the columns of the table, views of it."""
@@ -72,7 +76,7 @@ class AttitudeTracks:
 
     @property
     def table(self) -> Table:
-        """Return the tracks, ATTITUDE (n,), which stay in this table until they grow."""
+        """Return the tracks, ATTITUDE (n,), which stay in this table until some are added or forgotten."""
         return self._table
 
     def set_back(self, by: float) -> None:

@@ -66,11 +66,20 @@ class PositionTracks:
         known, self._table = self._table, unseen(len(self._table) + extra)
         self._table[: len(known)] = known
         self._reacquisition.grow(extra)
+        self._count_rows()
+        self.update(0.0, np.full((len(self._table), 3), np.nan))  # loads the kernels before the first tick
+
+    def keep(self, kept: Mask) -> None:
+        """Forget all tracks but some, (n,)."""
+        self._table = self._table[kept]
+        self._reacquisition.keep(kept)
+        self._count_rows()
+
+    def _count_rows(self) -> None:
         count = len(self._table)
         self._clock[PERIOD] = np.nan
         self._none, self._all = np.zeros(count, np.bool_), np.ones(count, np.bool_)
         self._rows = np.arange(count)
-        self.update(0.0, np.full((count, 3), np.nan))  # loads the kernels before the first tick
 
     @property
     def _tracks(self) -> TrackColumns:
@@ -78,8 +87,13 @@ class PositionTracks:
         return TrackColumns(*(self._table[name] for name in TrackColumns._fields))
 
     @property
+    def confirmed(self) -> Mask:
+        """Return the tracks that were trusted once, (n,)."""
+        return self._tracks.confirmed.copy()
+
+    @property
     def memory(self) -> TrackMemory:
-        """Return the tracks in tables, which stay the same until the tracks grow."""
+        """Return the tracks in tables, which stay the same until tracks are added or forgotten."""
         return TrackMemory(self._table, self._reacquisition.candidates, self._clock)
 
     def set_back(self, by: float) -> None:
