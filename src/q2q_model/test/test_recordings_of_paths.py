@@ -46,6 +46,15 @@ def test_a_flight_without_a_position_says_what_its_kind_of_file_needs(tmp_path: 
         recordings_of_paths([bag])
 
 
+def test_a_table_that_is_no_flight_is_refused_by_its_name(tmp_path: Path) -> None:
+    _table(tmp_path / "one.csv", 1)
+    (tmp_path / "two.csv").write_text(HEAD + ROWS.splitlines()[0] + "\n" + ROWS)
+    with pytest.raises(
+        ValueError, match=r"^table .*two\.csv: t must begin at 0 or later and increase; row 1"
+    ):
+        recordings_of_paths([tmp_path])
+
+
 def test_a_topic_map_without_a_bag_to_map_is_refused(tmp_path: Path):
     (tmp_path / "one.csv").write_text(HEAD + ROWS)
     with pytest.raises(ValueError, match=r"topics of bags, and .*one\.csv is a table: leave out --topics"):

@@ -10,7 +10,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.impossible_values import possible_flight, possible_log
 from q2q_model.flights.joined_flight import flight_from_signals
-from q2q_model.flights.tables.flight_table import flight_table
+from q2q_model.flights.tables.flight_table import FlightTable, flight_table
 from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.tables.table_log import log_of
 from q2q_model.flights.tables.table_signals import signals_of
@@ -47,13 +47,19 @@ def is_flight_csv(path: Path) -> bool:
 
 def recording_of_table(path: Path) -> Recording:
     """Return the flight in a table; raise ValueError if it cannot be read or no vehicle has a position."""
-    table = flight_table(read_columns(path))
-    signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
-    log = log_of(table)
-    flight = flight_from_signals(path.stem, signals).flight
+    columns = read_columns(path)
+    try:
+        flight, log = _flight_and_log(path.stem, flight_table(columns))
+    except ValueError as wrong:
+        raise ValueError(f"table {path}: {wrong}") from wrong
     if not flight.names:
         raise ValueError(f"table {path}: no vehicle has a position: x, y, z in a row whose gap is 0")
     return _recording(flight, log_at(log, flight.t, flight.names) if log.columns else None)
+
+
+def _flight_and_log(name: str, table: FlightTable) -> tuple[Flight, FlightLog]:
+    signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
+    return flight_from_signals(name, signals).flight, log_of(table)
 
 
 def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
