@@ -1,6 +1,10 @@
 """When a flight that does not begin says what it waits for."""
 
-from q2q_sim.node_flights.waiting_note import AGAIN_S, FIRST_S, WaitingNote
+from queue import SimpleQueue
+from threading import Timer
+from threading import enumerate as enumerate_threads
+
+from q2q_sim.node_flights.waiting_note import AGAIN_S, FIRST_S, LOADING, WaitingNote, noted_if_late
 
 
 def test_a_long_wait_is_noted_after_a_while_and_then_periodically() -> None:
@@ -16,3 +20,19 @@ def test_a_note_names_three_and_counts_the_others() -> None:
     waiting = [f"mpc_cf{k} has not answered" for k in range(34)]
     said = WaitingNote(0.0).update(waiting, FIRST_S)
     assert said.endswith("mpc_cf2 has not answered; and 31 more")
+
+
+def test_code_that_is_loaded_for_long_is_noted_before_any_node_answers() -> None:
+    said = SimpleQueue[str]()
+    with noted_if_late(said.put, 0.0):
+        assert said.get(timeout=60.0) == LOADING
+
+
+def test_nodes_that_start_in_time_are_not_noted() -> None:
+    said = SimpleQueue[str]()
+    with noted_if_late(said.put, 3600.0) as begun:
+        (timer,) = (one for one in enumerate_threads() if isinstance(one, Timer))
+        begun()
+        timer.join(60.0)
+        assert not timer.is_alive()
+    assert said.empty()

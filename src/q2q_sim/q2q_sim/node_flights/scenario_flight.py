@@ -16,7 +16,7 @@ from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.node_flights.unfinished_bag import end_of_bag, read_flown, why_unfinished
-from q2q_sim.node_flights.waiting_note import WaitingNote
+from q2q_sim.node_flights.waiting_note import WaitingNote, noted_if_late
 from q2q_sim.simulator.flight_clock import FlightTiming
 
 MEASURED = ("mocap", "truth", "truth_interference", "reference", "reference_safe", "command")
@@ -53,14 +53,18 @@ def fly(
     total = scenario.duration / TICK_S
     waits = WaitingNote(monotonic())
 
-    def wait(waiting: Sequence[str]) -> None:
-        progress(0.0)
-        if due := waits.update(waiting, monotonic()):
-            note(due)
+    with noted_if_late(note) as begun:
 
-    with running_nodes(specs, folder, wait) as running:
-        running.director.start()
-        timing = running.director.wait_summary(lambda ticks: progress(ticks / total))
+        def wait(waiting: Sequence[str]) -> None:
+            begun()
+            progress(0.0)
+            if due := waits.update(waiting, monotonic()):
+                note(due)
+
+        with running_nodes(specs, folder, wait) as running:
+            begun()
+            running.director.start()
+            timing = running.director.wait_summary(lambda ticks: progress(ticks / total))
     return recorded_run(request, timing, folder, bag)
 
 

@@ -1,6 +1,8 @@
 """Note of what a flight waits for before it begins, if that takes long."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from threading import Timer
 
 from q2q_model.counted import first_of
 
@@ -10,6 +12,8 @@ AGAIN_S = 30.0
 """Period of the notes after it [s]."""
 SHOWN = 3
 """Missing connections that a note names."""
+LOADING = "waiting for the code of the nodes, which is being loaded"
+"""Note before nodes can be asked."""
 
 
 class WaitingNote:
@@ -25,3 +29,19 @@ class WaitingNote:
             return ""
         self._due = now + AGAIN_S
         return f"waiting for the nodes for {now - self._begun:.0f} s: {'; '.join(first_of(waiting, SHOWN))}"
+
+
+@contextmanager
+def noted_if_late(note: Callable[[str], None], seconds: float = FIRST_S) -> Iterator[Callable[[], None]]:
+    """Note LOADING after some time [s], in a thread: the start of a node blocks while its code is loaded.
+
+    Yields:
+        a function that drops the note.
+    """
+    timer = Timer(seconds, note, (LOADING,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield timer.cancel
+    finally:
+        timer.cancel()
