@@ -16,8 +16,8 @@ from mocap_frames import (
     truth_at,
 )
 
-from q2q_model.estimation.mocap_filter import LOST_MOST, MocapFilter
-from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.estimation.stray_names import LOST_MOST
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState
