@@ -22,7 +22,8 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
 )
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_model.vehicle.hover_thrust import OwnHover, hover_pwm
 
 
 def test_arming_unlocks_and_only_streamed_vehicles_are_sent_commands() -> None:
@@ -68,10 +69,16 @@ def test_disarming_is_done_when_no_vehicle_is_armed_and_says_who_arms_itself() -
 def test_a_pilot_as_crew_reports_what_its_links_and_phases_say() -> None:
     bench = Bench()
     bench.fly()
-    bench.links["cf2"].now = replace(WELL, volt=3.3, onboard=(1.0, 2.0, 3.0), wrong="mass is 0")
+    own = OwnHover(mass=0.03, mass_thrust=hover_pwm(CRAZYFLIE_2_0) / (1.1 * 0.03 * GRAVITY))
+    bench.links["cf2"].now = replace(
+        WELL, volt=3.3, onboard=(1.0, 2.0, 3.0), wrong="mass is 0", own_hover=own, flying=False
+    )
     first, second = RadioExecutor(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
     assert (first.name, first.connected, first.armed, first.flies) == ("cf1", True, True, True)
     assert (second.volt, second.onboard, second.wrong) == (3.3, (1.0, 2.0, 3.0), "mass is 0")
+    assert (first.airborne, second.airborne) == (True, False)
+    assert second.hover_ratio == pytest.approx(1.1)
+    assert math.isnan(first.hover_ratio)
 
 
 def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -> None:

@@ -55,6 +55,17 @@ def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_cut()
     assert bench.pilot.phases["cf1"] is Phase.READY
 
 
+@pytest.mark.parametrize(("age", "phase"), [(0.09, Phase.LANDING), (0.11, Phase.FLYING)])
+def test_without_commands_a_vehicle_lands_by_a_state_that_is_not_stale(age: float, phase: Phase) -> None:
+    bench = Bench()
+    bench.fly()
+    bench.rpyt_setpoints()
+    bench.t += 1.01 - age
+    bench.see()
+    bench.look(age)
+    assert bench.pilot.phases["cf1"] is phase
+
+
 def test_a_command_that_comes_before_the_landing_flies_on() -> None:
     bench = Bench()
     bench.fly()
