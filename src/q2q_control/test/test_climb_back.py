@@ -76,11 +76,14 @@ def test_while_blind_it_keeps_its_setpoint() -> None:
     assert climbs.active
 
 
-def test_it_returns_while_its_setpoint_climbs_with_it_but_is_not_held() -> None:
+@pytest.mark.parametrize(("climb", "steady"), [(0.49, True), (0.51, False), (-0.49, True), (-0.51, False)])
+def test_it_returns_while_its_setpoint_climbs_or_sinks_with_it_but_is_not_held(
+    climb: float, steady: bool
+) -> None:
     climbs = lost("cf1", climbs=ClimbBack())
-    given = setpoint_of(0.1, LOW, climb=0.8)
+    given = setpoint_of(0.1, LOW, climb=climb)
     sent, names = climbs.update(given, state_of(LOW), SEEN)
-    assert names == {"cf1"}
+    assert names == (set() if steady else {"cf1"})
     assert sent is given
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from q2q_control.crazyswarm.reported_vehicles import ARM_S, READ_S, ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
-from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
+from q2q_control.flight_procedure.supervisor_info import ARMED, CAN_FLY, FLYING, LOCKED, READY
 from q2q_control.radio.crazyflies_file import params_set
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
@@ -120,13 +120,16 @@ def test_each_vehicle_has_armed_by_its_status_or_after_a_time_if_it_reports_none
     both = ReportedVehicles((one, other))
     assert not both.armed(10.0, 10.0 + 0.9 * ARM_S)
     assert both.armed(10.0, 10.0 + 1.1 * ARM_S)
-    one.take_status(4.0, LOCKED, 10.1)
-    assert not both.armed(10.0, 10.0 + 1.1 * ARM_S)
+    for unready in (LOCKED, ARMED, CAN_FLY):
+        one.take_status(4.0, unready, 10.1)
+        assert not both.armed(10.0, 10.0 + 1.1 * ARM_S)
+        assert one.report(10.2, connected=True).armed is False
     one.take_status(4.0, READY, 10.1)
     other.take_status(4.0, READY, 9.9)  # before the order
     assert not both.armed(10.0, 10.0 + 1.1 * ARM_S)
-    other.take_status(4.0, READY, 10.2)
+    other.take_status(4.0, READY | FLYING, 10.2)
     assert both.armed(10.0, 10.3)
+    assert other.report(10.3, connected=True).armed is True
 
 
 def test_parameters_are_read_once_a_period() -> None:
