@@ -27,13 +27,13 @@ def test_a_neighbour_is_dead_reckoned_between_broadcasts_and_forgotten_when_it_i
 
 
 @needs_cc
-def test_broadcasts_round_to_millimetres_and_are_clipped() -> None:
+def test_broadcasts_round_to_millimetres() -> None:
     app = NativeApp(library(MEASURED_LAW))
-    packet = app.broadcast(200, np.array([1.2344, -2.0, 40.0, -0.5, 0.0, 1e9, 0.3, -0.4, math.sqrt(0.75)]))
+    packet = app.broadcast(200, np.array([1.2344, -2.0, 32.767, -0.5, 0.0, -9.0, 0.3, -0.4, math.sqrt(0.75)]))
     assert packet is not None
     assert packet[0] == 200
     numbers = np.frombuffer(packet[1:], dtype="<i2")
-    np.testing.assert_array_equal(numbers, [1234, -2000, 32767, -500, 0, 32767, 3000, -4000])
+    np.testing.assert_array_equal(numbers, [1234, -2000, 32767, -500, 0, -9000, 3000, -4000])
     above, own = hover(0.01, 0.0, 1.4), hover(0.0, 0.0, 1.0)
     sent = app.broadcast(200, above)
     assert sent is not None
@@ -41,6 +41,16 @@ def test_broadcasts_round_to_millimetres_and_are_clipped() -> None:
     other = NativeApp(library(MEASURED_LAW))
     assert other.hear_motion(200, 0, above)
     assert app.downwash(own, 0) == pytest.approx(other.downwash(own, 0), abs=1e-6)
+
+
+@needs_cc
+@pytest.mark.parametrize("axis", range(6))
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_position_or_speed_beyond_the_range_of_a_packet_is_not_broadcast(axis: int, sign: float) -> None:
+    """Clipped to the range, it would be one where nobody is."""
+    motion = hover(0.0, 0.0, 1.0)
+    motion[axis] = sign * 32.77
+    assert NativeApp(library(MEASURED_LAW)).broadcast(3, motion) is None
 
 
 @needs_cc

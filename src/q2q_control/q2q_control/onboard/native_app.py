@@ -114,7 +114,7 @@ class NativeApp:
         return self._hear(number, stamp_us, _motion(motion))
 
     def broadcast(self, number: int, motion: Array) -> bytes | None:
-        """Return the broadcast of a vehicle's motion (9,); None, as nothing is sent, if it is not finite."""
+        """Return the broadcast of a motion (9,); None, as nothing is sent, if beyond 32.767 m or m/s."""
         packet = ctypes.create_string_buffer(PACKET_BYTES)
         sent = self._library.q2q_pack(ctypes.c_uint8(number), ctypes.byref(_motion(motion)), packet)
         return packet.raw if sent else None

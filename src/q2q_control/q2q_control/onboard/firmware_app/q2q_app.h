@@ -89,7 +89,7 @@ void q2q_measure(struct q2q_correction *correction, float push, float eta, float
 float q2q_residual(const struct q2q_correction *correction, float age_s);
 
 /* Write the broadcast of one vehicle, little endian: id, then position [mm], velocity [mm/s], body z x and y [1e-4];
-   return false, and write nothing, if the motion is not finite. */
+   return false, and write nothing, if the motion is not finite or beyond 32.767 m or m/s. */
 bool q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]);
 
 /* Write the motion in a broadcast; return its id. */

@@ -111,9 +111,11 @@ void q2q_motion_at(const struct q2q_track *track, uint32_t now_us, float age, st
   }
 }
 
+/* Return whether a value is within the range of a packet. */
+static bool fits(float value, float unit) { return fabsf(value) <= 32767.0f * unit; }
+
 static void put(uint8_t *bytes, float value, float unit) {
-  const float scaled = roundf(value / unit);
-  const int16_t whole = (int16_t)(scaled > 32767.0f ? 32767.0f : scaled < -32767.0f ? -32767.0f : scaled);
+  const int16_t whole = (int16_t)roundf(value / unit);
   bytes[0] = (uint8_t)((uint16_t)whole & 0xffu);
   bytes[1] = (uint8_t)((uint16_t)whole >> 8);
 }
@@ -124,6 +126,8 @@ static float get(const uint8_t *bytes, float unit) {
 
 bool q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]) {
   if (!q2q_finite(motion)) return false;
+  for (int k = 0; k < 3; ++k)
+    if (!fits(motion->pos[k], 1e-3f) || !fits(motion->vel[k], 1e-3f) || !fits(motion->axis[k], 1e-4f)) return false;
   packet[0] = id;
   for (int k = 0; k < 3; ++k) {
     put(packet + 1 + 2 * k, motion->pos[k], 1e-3f);
