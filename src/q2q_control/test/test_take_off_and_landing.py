@@ -202,6 +202,16 @@ def test_a_room_without_an_inside_is_refused() -> None:
         FlightProcedureParams(room=(0.0, 0.0, 0.0, 1.0, 1.0, 0.0))
 
 
+@pytest.mark.parametrize("wall", range(6))
+def test_a_room_beyond_the_setpoints_that_vehicles_receive_is_refused(wall: int) -> None:
+    """Clipped to their range, setpoints of two vehicles would be the same."""
+    room = [-32.767, -32.767, -32.767, 32.767, 32.767, 32.767]
+    FlightProcedureParams(room=tuple(room))
+    room[wall] *= 1.001
+    with pytest.raises(ValueError, match=r"room = .*: setpoints reach up to 32\.767 m .* move the origin"):
+        FlightProcedureParams(room=tuple(room))
+
+
 def test_a_take_off_through_the_ceiling_is_refused() -> None:
     low = (-3.0, -3.0, 0.0, 3.0, 3.0, 1.5)
     FlightProcedureParams(room=low, take_off_height=1.2, ground_height=0.3)

@@ -7,6 +7,8 @@ from q2q_model.tunable import check_bounds, tunable
 DRY_RUN = "check and log what would be sent; send nothing"
 ROUNDING = 1e-9
 """Rounding of a difference of heights [m]."""
+FULL_STATE_RANGE = 32.767
+"""Largest number of a full state, in 16-bit millimetres, mm/s, mm/s^2 and mrad/s [m, m/s, m/s^2, rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,9 @@ class FlightProcedureParams:
         check_bounds(self)
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
             raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
+        if max(abs(wall) for wall in self.room) > FULL_STATE_RANGE:
+            allowed = f"setpoints reach up to {FULL_STATE_RANGE} m from the origin along an axis"
+            raise ValueError(f"room = {self.room}: {allowed}; move the origin to the middle of the room")
         ceiling = self.room[5] - self.ground_height
         if self.take_off_height > ceiling + ROUNDING:
             allowed = f"up to {ceiling:g} m is allowed, where room ends"

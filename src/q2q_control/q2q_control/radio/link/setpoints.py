@@ -9,7 +9,8 @@
 | acc = acc_ref - eta [m/s^2] | acc of a full state | feed-forward of the Mellinger controller |
 | body rates [rad/s] | "degrees/s" of send_full_state_setpoint, actually rad/s | mrad/s |
 
-A full state carries 16-bit millimetres and mm/s^2: values are clipped at 32.767.
+A full state carries 16-bit millimetres and mm/s^2: values are clipped at 32.767. The flight procedure
+refuses rooms beyond that.
 """
 
 import math
@@ -17,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_control.flight_procedure.procedure_params import FULL_STATE_RANGE
 from q2q_control.radio.link.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import (
@@ -28,9 +30,6 @@ from q2q_model.signals.values import (
     SwarmSetpoint,
     predicted_eta,
 )
-
-LARGEST = 32.767
-"""Largest position, velocity, acceleration and rate of a full state [m, m/s, m/s^2, rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,4 +115,4 @@ def _finite_rows(rows: Array) -> list[bool]:
 
 
 def _cut(values: Array) -> tuple[float, ...]:
-    return tuple(math.copysign(min(abs(one), LARGEST), one) for one in values.tolist())
+    return tuple(math.copysign(min(abs(one), FULL_STATE_RANGE), one) for one in values.tolist())
