@@ -112,6 +112,18 @@ def follows(reference: SwarmSetpoint) -> bool:
     return bool(followed_rows(same, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))[0])
 
 
+@pytest.mark.parametrize(("asked", "followed"), [(-0.61, False), (-0.59, True), (0.99, True), (1.01, False)])
+def test_a_reference_is_followed_from_the_acceleration_at_the_tick_before(
+    asked: float, followed: bool
+) -> None:
+    """It was 0.2 m/s^2, and has become 1 m/s^2 by the largest jerk since: not both may change."""
+    reference = replace(resting(2.0, ("cf1",)), acc=np.array([[0.0, asked, 0.0]]))
+    jerk, now = np.array([[0.0, 20.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
+    rows = at_reference(reference).rows._replace(acc=now, jerk=jerk)
+    may = followed_rows(rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))
+    assert may.tolist() == [followed]
+
+
 @pytest.mark.parametrize(
     ("before", "asked", "followed"),
     [

@@ -74,9 +74,10 @@ def near_rows(rows: MotionRows, reference: ReferenceRows) -> Mask:
 def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBounds) -> Mask:
     """Return whose reference keeps the bounds of jerk, acceleration and speed at this tick, (n,).
 
-    An acceleration keeps the bound of jerk if it changed by no more than that within the time since the tick
-    before, or within `hold` if that was longer ago. A speed keeps its bound if it still does once the
-    acceleration is taken back, and on the fastest stop after `hold`, the motion to which it leads.
+    An acceleration keeps the bound of jerk if it differs by no more than that from the motion's at the tick
+    before, within the time since then, or within `hold` if that was longer ago. A speed keeps its bound if it
+    still does once the acceleration is taken back, and on the fastest stop after `hold`, the motion to which
+    it leads.
     """
     followed = np.empty(rows.hold.size, np.bool_)
     jump = bounds.jerk * bounds.dt + ROUNDING
@@ -86,7 +87,8 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
         followed[row] = size <= bounds.acc and _speed_ahead(reference, row, bounds) <= bounds.speed
         followed[row] &= speed_bound(reference.vel, acc, steady, row, held) <= bounds.speed
         for axis in range(3):
-            followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= jump
+            before = rows.acc[row, axis] - rows.jerk[row, axis] * bounds.dt
+            followed[row] &= abs(acc[row, axis] - before) <= jump
     return followed
 
 
