@@ -43,6 +43,7 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_planner.online.safe import safe_replanner
+from q2q_planner.online.safe.choice import motion_choice
 from q2q_planner.online.safe.choice.motion_choice import NEW, Choices
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion
 from q2q_planner.online.safe.motion.motion_propagation import propagate
@@ -193,7 +194,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("evasion_reversed", descent_evasion, "evasion_direction", _evasion_reversed),
     SeededBug("no_proof", safe_replanner, "_choice", _no_proof),
     SeededBug("hold_forgotten", safe_replanner, "propagate", _hold_forgotten),
-    SeededBug("half_zone", safe_replanner, "BrakingLaw", _half_zone),
+    SeededBug("half_zone", motion_choice, "BrakingLaw", _half_zone),
     SeededBug("break_unreported", safe_replanner, "_output", _break_unreported),
     SeededBug("old_stamps_dropped", BagWriter, "write_signal", _old_stamps_dropped),
     SeededBug("nan_as_zero", BagWriter, "write_signal", _nan_as_zero),

@@ -60,11 +60,10 @@ def _decided(
 @compiled
 def _committed(rows: MotionRows, desired: DesiredMotion, choice: Choices, held: float) -> MotionRows:
     acc, hold, jerk = rows.acc.copy(), rows.hold.copy(), rows.jerk.copy()
-    on_reference, pushed = rows.on_reference.copy(), desired.kind != AS_ASKED
+    on_reference, pushed = rows.on_reference.copy(), np.empty(rows.hold.size, np.bool_)
     for row in range(hold.size):
-        if choice[row] == OLD:
-            pushed[row] = True
-        else:
+        pushed[row] = choice[row] == OLD or desired.kind[row] != AS_ASKED
+        if choice[row] != OLD:
             acc[row], hold[row], jerk[row] = desired.acc[row], held, desired.jerk[row]
         on_reference[row] &= not pushed[row]
     return MotionRows(rows.pos, rows.vel, acc, hold, on_reference, pushed, jerk)

@@ -123,7 +123,10 @@ def _desired(
     acc = _towards_reference(rows, reference, law)
     kind = np.full(own, AS_ASKED, np.int8)
     if law.avoids and pairs.i.size > 0:
-        kind[_apart(acc, reference, traffic, pairs, law)] = PUSHED
+        pushed = _apart(acc, reference, traffic, pairs, law)
+        for row in range(own):
+            if pushed[row]:
+                kind[row] = PUSHED
     if law.jerk == 0.0:
         return acc, rows.jerk.copy(), kind
     begin = np.empty_like(acc)

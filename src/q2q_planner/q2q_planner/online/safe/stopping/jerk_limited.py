@@ -180,7 +180,7 @@ def stop_reach(stopping: StoppingMotions, law: BrakingLaw, longest: float) -> Ar
     return reach
 
 
-@compiled
+@compiled(**HOT)
 def speed_bound(vel: Array, acc: Array, jerk: Array, row: int, held: tuple[float, float]) -> float:
     """Return a bound of the speed of a row's motion [m/s]: the largest of each axis, whenever it is reached.
 
@@ -193,7 +193,7 @@ def speed_bound(vel: Array, acc: Array, jerk: Array, row: int, held: tuple[float
     return float(np.sqrt(square))
 
 
-@compiled
+@compiled(**HOT)
 def _axis_speed(vel: float, acc: float, jerk: float, held: tuple[float, float]) -> float:
     """Return the largest speed of an axis until it rests [m/s]."""
     hold, most = held
