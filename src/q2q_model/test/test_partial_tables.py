@@ -53,6 +53,15 @@ def test_without_rates_velocities_and_accelerations_stay_and_rates_are_not_numbe
     assert log_of(table).columns == ()
 
 
+@pytest.mark.parametrize("empty", [("vx", "vy", "vz"), ("ax", "ay", "az"), RATE, QUAT, ("vy",)])
+def test_empty_columns_are_as_absent_ones(empty: tuple[str, ...]) -> None:
+    given = _columns()
+    given |= {f"cf{k}_{name}": np.full(TICKS, np.nan) for k in (1, 2) for name in empty}
+    table, lacking = flight_table(given), flight_table(_columns(*empty))
+    assert set(signals_of(table)) == set(signals_of(lacking))
+    assert log_of(table).columns == log_of(lacking).columns
+
+
 def test_angles_in_radians_by_their_name_are_the_attitude_where_no_quaternion_is() -> None:
     flight = _flight(flight_table(_columns(*QUAT)))
     whole = _flight(flight_table(_columns()))

@@ -57,7 +57,7 @@ class FlightTable:
 
 
 def flight_table(columns: Mapping[str, Array]) -> FlightTable:
-    """Return a table's columns, (T,) each, sorted by vehicle.
+    """Return a table's columns, (T,) each, sorted by vehicle; without those of signals that are empty.
 
     Raises ValueError for a table without t or positions or with fewer than two rows, one whose columns can be
     read as those of one vehicle or of several, a time that is negative, not a number or not increasing, or
@@ -80,9 +80,14 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
             if name != "t" and name.startswith(key):
                 place = found.setdefault(name.removeprefix(key), np.full((len(t), len(names)), np.nan))
                 place[:, row] = columns[name]
-    table = FlightTable(t, names, found)
+    table = FlightTable(t, names, {name: one for name, one in found.items() if _is_logged(name, one)})
     _check_units(table)
     return table
+
+
+def _is_logged(name: str, column: Array) -> bool:
+    """Return whether a column has a number, or is one that needs none: a position, or no signal's."""
+    return name in POS or name not in CARRIED or bool(np.isfinite(column).any())
 
 
 def _check_units(table: FlightTable) -> None:

@@ -48,8 +48,6 @@ from q2q_model.vehicle.constants import GRAVITY
 
 LACKED = {"reference": ("yaw_rate",), "command": ("roll", "pitch", "yaw_rate")}
 """Topic -> what no table has: it is NaN in all signals."""
-MAY_LACK = {"state": ("ang_vel_body",), "reference": ("vel", "acc", "yaw"), "imu": ("ang_vel_body",)}
-"""Topic -> what a table may lack: it is NaN in all signals then."""
 
 
 def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:

@@ -1,15 +1,15 @@
 """Numbers of a flight that are not finite, apart from those that its table lacks.
 
-A table that bag_import made a bag of has no yaw rate, for one: it is NaN throughout. A node that sends NaN
-throughout is broken.
+A table that bag_import made a bag of has no yaw rate, for one: it is NaN throughout, and so may be all that
+was not logged. A node that sends NaN throughout is broken.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.flights.tables.table_signals import LACKED, MAY_LACK
+from q2q_model.flights.tables.table_signals import LACKED
 from q2q_model.signals.values import Array, MocapFrame
 from q2q_sim.monitors.policies.inputs.signal_tables import Topic
 
@@ -23,15 +23,17 @@ an age that is infinite means never, a deviation that is NaN unknown, an attitud
 def first_not_finite(topics: Mapping[str, Topic], *, live: bool) -> tuple[str, ...]:
     """Return the first value of each topic that is not finite, in a sentence; frames may have NaN."""
     tabular = not live and _was_table(topics)
-    lacking = {
-        name: {*LACKED.get(name, ()), *MAY_LACK.get(name, ())} if tabular else set() for name in topics
-    }
-    return tuple(filter(None, (_first(name, topic, lacking[name]) for name, topic in topics.items())))
+    return tuple(filter(None, (_first(name, topic, tabular=tabular) for name, topic in topics.items())))
 
 
 def _was_table(topics: Mapping[str, Topic]) -> bool:
-    """Return whether topics are those of an imported table: no others, without what no table has."""
+    """Return whether topics are those of an imported table: no others, without what no table has.
+
+    Commands without any number, and no references, are as well those of a broken controller in lockstep.
+    """
     present = {name: topic for name, topic in topics.items() if topic.signals}
+    if "command" in present and "reference" not in present and _is_nan(present["command"], "thrust"):
+        return False
     return present.keys() <= _OF_TABLES and all(
         _is_nan(present[name], attribute)
         for name, attributes in LACKED.items()
@@ -45,8 +47,8 @@ def _is_nan(topic: Topic, attribute: str) -> bool:
     return all(np.isnan(values).all() for values in topic.values(attribute).values())
 
 
-def _first(name: str, topic: Topic, lacking: Collection[str]) -> str:
-    """Return the first value that is not finite; attributes of `lacking` may be NaN throughout."""
+def _first(name: str, topic: Topic, *, tabular: bool) -> str:
+    """Return the first value that is not finite; attributes of a table may be NaN throughout."""
     signals = topic.signals
     if not signals or isinstance(signals[0], MocapFrame):
         return ""
@@ -54,7 +56,7 @@ def _first(name: str, topic: Topic, lacking: Collection[str]) -> str:
         one = getattr(signals[0], attribute)
         if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
-        if attribute in lacking and _is_nan(topic, attribute):
+        if tabular and _is_nan(topic, attribute):
             continue
         refused = _REFUSED.get(attribute, _not_finite)
         if any(refused(values).any() for values in topic.values(attribute).values()):
