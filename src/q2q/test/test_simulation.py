@@ -144,7 +144,7 @@ def test_a_plan_of_other_vehicles_or_from_elsewhere_is_refused():
     first = replace(own, names=own.names[:1], trajectories=own.trajectories[:1])
     swapped = replace(own, trajectories=own.trajectories[::-1])
     for wrong, message in (
-        (first, f"the plan is for {own.names[0]}, the scenario has {', '.join(own.names)}"),
+        (first, f"the plan lacks {own.names[1]}: the vehicles of the scenario are {', '.join(own.names)}"),
         (swapped, f"{own.names[0]} starts .* m from its plan's first point: 0.1 m is the maximum"),
     ):
         with pytest.raises(ValueError, match=message):

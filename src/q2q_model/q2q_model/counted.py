@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 MOST_NAMES = 20
-"""Most names in a list of a warning."""
+"""Most names in a list."""
 
 
 def counted(count: int, noun: str) -> str:
@@ -20,3 +20,10 @@ def first_of(parts: Sequence[str], most: int) -> list[str]:
 def listed(names: Sequence[str]) -> str:
     """Return the first names of vehicles or nodes, and in words how many more there are."""
     return ", ".join(first_of(names, MOST_NAMES))
+
+
+def difference(names: Sequence[str], expected: Sequence[str]) -> str:
+    """Return how names differ from those expected, as "lacks cf2 and has cf9"; empty if they do not."""
+    lacking = listed([name for name in expected if name not in names])
+    further = listed([name for name in names if name not in expected])
+    return " and ".join([f"lacks {lacking}"] * bool(lacking) + [f"has {further}"] * bool(further))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_model.counted import counted, first_of
+from q2q_model.counted import counted, difference, first_of
 from q2q_model.diagnostics.health import Health, health_report
 
 
@@ -20,3 +20,11 @@ def test_a_node_that_has_done_one_tick_says_so() -> None:
 )
 def test_parts_beyond_the_first_are_counted(most: int, parts: list[str]) -> None:
     assert first_of(("a", "b", "c"), most) == parts
+
+
+def test_names_differ_by_those_that_are_lacking_and_those_that_are_there_besides() -> None:
+    flown = [f"cf{k}" for k in range(1, 31)]
+    assert difference([*flown[:29], "cf31"], flown) == "lacks cf30 and has cf31"
+    assert difference(flown[1:], flown) == "lacks cf1"
+    assert difference([*flown, "cf31"], flown) == "has cf31"
+    assert not difference(flown[::-1], flown)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import dist
 
+from q2q_model.counted import difference, listed
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -19,10 +20,8 @@ def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:
     """
     if not isinstance(given, SwarmPlan):
         raise TypeError(f"plan = {given!r}: what q2q.plan returns is expected")
-    if set(given.names) != set(flown.names):
-        raise ValueError(
-            f"the plan is for {', '.join(given.names)}, the scenario has {', '.join(flown.names)}"
-        )
+    if wrong := difference(given.names, flown.names):
+        raise ValueError(f"the plan {wrong}: the vehicles of the scenario are {listed(flown.names)}")
     rows = map(given.names.index, flown.names)
     ordered = replace(given, names=flown.names, trajectories=tuple(given.trajectories[row] for row in rows))
     for one, first in zip(flown.waypoints, setpoint_at(ordered, 0.0).pos, strict=True):

@@ -11,7 +11,7 @@ import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, VehicleReport
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_model.counted import listed
+from q2q_model.counted import difference, listed
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Array
 
@@ -187,9 +187,8 @@ def _places(observation: Observation, params: FlightProcedureParams) -> Iterator
     if observation.plan is None:
         yield "no plan is waiting: start trajectory with a plan and wait:=true"
         return
-    if set(observation.plan.names) != set(observation.names):
-        planned, flown = listed(observation.plan.names), listed(observation.names)
-        yield f"the plan is for {planned}, the vehicles are {flown}"
+    if wrong := difference(observation.plan.names, observation.names):
+        yield f"the plan {wrong}: the vehicles are {listed(observation.names)}"
         return
     off = observation.pos[:, :2] - observation.first_points()[:, :2]
     for name, far in zip(observation.names, np.linalg.norm(off, axis=1).tolist(), strict=True):
