@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from q2q_control.crazyswarm.pose_topics import PoseNames
 from q2q_control.failsafe.phase_changes import PhaseChange, cut_reason
 from q2q_control.flight_procedure.checks.flight_checks import attitude_refusal, connection_refusal, unchecked
 from q2q_control.flight_procedure.observation import Observation, VehicleReport
@@ -35,6 +36,13 @@ def lasting_warning() -> str:
     return warnings.text
 
 
+def unseen_warning() -> str:
+    """Return the text of a thousand poses, none of which is a vehicle's."""
+    names = PoseNames("/poses", ("drone",))
+    names.take(NAMES)
+    return names.mismatch
+
+
 TEXTS = {
     "offline": connection_refusal(OFFLINE),
     "without attitude": attitude_refusal(OFFLINE),
@@ -42,6 +50,7 @@ TEXTS = {
     "phase": str(PhaseChange(CommandStatus.LAND, NAMES)),
     "cut": cut_reason(NAMES, emergency=False),
     "far": distances_text(dict.fromkeys(NAMES, 1.5)),
+    "unseen": unseen_warning(),
     "frozen": lasting_warning(),
 }
 

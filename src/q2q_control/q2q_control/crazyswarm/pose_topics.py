@@ -7,6 +7,7 @@ configured otherwise). DDS connects a reader only to a writer that offers no lon
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from q2q_model.counted import listed
 from q2q_model.signals.stamps import NANOSECONDS, TICK_NS
 from q2q_model.signals.values import Names
 
@@ -58,7 +59,7 @@ class PoseNames:
         """Return which names the last poses have in place of vehicles that none ever had; empty if none."""
         if not (self._unseen and self._others):
             return ""
-        names = f"{self._topic} has {', '.join(self._others)}, none of {', '.join(self._unseen)}"
+        names = f"{self._topic} has {listed(self._others)}, none of {listed(self._unseen)}"
         return f"{names}: give bodies in motion capture the names of vehicles"
 
     def new_mismatch(self) -> str:

@@ -18,6 +18,7 @@ from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
 from q2q_control.ros.procedure_services import ProcedureServices
+from q2q_model.counted import listed
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
@@ -173,7 +174,7 @@ class Crazyswarm:
         poses = [self._poses.read(one) for one in message.poses]
         self._pose_names.take([one.name for one in poses])
         if duplicates := duplicate_names(poses, self._names):
-            self._health.refuse(f"{self._settings.poses_in}: {', '.join(duplicates)} {DUPLICATE}")
+            self._health.refuse(f"{self._settings.poses_in}: {listed(duplicates)} {DUPLICATE}")
         self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
 
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:

@@ -49,7 +49,7 @@ class PredictionExchange:
         if self._waits:
             wiring.hold_until(self._may_begin)
         wiring.check_each_second(self._look_for_neighbours)
-        wiring.add_diagnostic_values(lambda: {"silent_neighbours": ", ".join(self._silent)})
+        wiring.add_diagnostic_values(lambda: {"silent_neighbours": listed(self._silent)})
         self._node.create_subscription(PredictionMessage, PREDICTIONS, self._receive, MANY_WRITERS)
 
     def begin(self, state: SwarmState) -> None:

@@ -92,7 +92,7 @@ class RoomFlight:
     def locked(self) -> str:
         """Return which vehicles keep their motors off, why, and what to do; empty if none does."""
         names = self._room.locked if self.is_flying and self._firmware is None and not self.misstamped else ()
-        return f"{', '.join(names)}: {_LOCKED}" if names else ""
+        return f"{listed(names)}: {_LOCKED}" if names else ""
 
     @property
     def misstamped(self) -> str:

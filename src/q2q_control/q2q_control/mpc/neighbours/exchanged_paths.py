@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.neighbours.constant_velocity import FAR, Neighbours
 from q2q_model.compiled import compiled
+from q2q_model.counted import listed
 from q2q_model.signals.cdr.cdr_head import MOST_VEHICLES
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.stamps import SAME_STAMP
@@ -76,10 +77,10 @@ class PredictedPaths:
                 f"{MOST_AHEAD:g} s of t, and a finite step of {LEAST_STEP:g} s or more"
             )
         if not np.isfinite(self.pos).all():
-            raise ValueError(f"prediction of {', '.join(self.names)} is not finite: send finite positions")
+            raise ValueError(f"prediction of {listed(self.names)} is not finite: send finite positions")
         check_unique(self.names)
         if np.abs(self.pos).max() >= FAR:
-            raise ValueError(f"prediction of {', '.join(self.names)}: positions within {FAR:g} m are allowed")
+            raise ValueError(f"prediction of {listed(self.names)}: positions within {FAR:g} m are allowed")
 
 
 class ReceivedPath(NamedTuple):

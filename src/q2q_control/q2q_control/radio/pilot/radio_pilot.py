@@ -25,6 +25,7 @@ from q2q_control.radio.link.vehicle_link import VehicleLink
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.pilot.vehicle_pilot import PilotSetup, VehiclePilot
 from q2q_control.radio.pilot.vehicle_record import AIRBORNE, Phase
+from q2q_model.counted import listed
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.node.reply import Reply
@@ -156,7 +157,7 @@ class RadioPilot:
         if any(one.phase is Phase.ARMING for one in self._vehicles.values()):
             return None
         missing = [name for name, one in self._vehicles.items() if one.phase is not Phase.ARMED]
-        reason = f"{', '.join(missing)} did not arm within {self._params.arm_s:g} s" if missing else ""
+        reason = f"{listed(missing)} did not arm within {self._params.arm_s:g} s" if missing else ""
         return Reply(granted=not missing, reason=reason)
 
     def _stop_outcome(self) -> Reply | None:
@@ -167,8 +168,8 @@ class RadioPilot:
         if not offline:
             return Reply(granted=True)
         stopped = [name for name in self._vehicles if name not in offline]
-        missed = f"{', '.join(offline)} not reached: motors are stopped once radio has reconnected"
-        done = f"; motors of {', '.join(stopped)} stopped; restart the vehicles" if stopped else ""
+        missed = f"{listed(offline)} not reached: motors are stopped once radio has reconnected"
+        done = f"; motors of {listed(stopped)} stopped; restart the vehicles" if stopped else ""
         return Reply(granted=False, reason=missed + done)
 
     def _order_outcome(self, act: Act, t: float) -> Reply | None:
@@ -177,7 +178,7 @@ class RadioPilot:
         armed = [name for name, one in self._vehicles.items() if one.armed]
         if armed and t - self._ordered < self._params.arm_s:
             return None
-        reason = f"{', '.join(armed)} armed again: the build arms itself" if armed else ""
+        reason = f"{listed(armed)} armed again: the build arms itself" if armed else ""
         return Reply(granted=not armed, reason=reason)
 
     def _in_the_air(self, *phases: Phase) -> list[VehiclePilot]:
