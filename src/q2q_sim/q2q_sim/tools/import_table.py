@@ -48,7 +48,7 @@ def run(args: Namespace) -> int:
         print(f"  {UNITLESS}")
     unseen = table.gap | ~np.isfinite(table.vectors(POS)).all(axis=-1)
     print(f"  {counted(int(unseen.sum()), 'sample')} in gaps of the source: not in /mocap")
-    with_gravity = gravity_note(table.names, table.vectors(ACC)[..., 2]) if table.has(ACC) else ""
+    with_gravity = gravity_note(table.t, table.names, table.columns["az"]) if table.has(ACC) else ""
     for note in filter(None, [*notes, y_up_reason(table.vectors(POS)), with_gravity]):
         print(f"  {note}")
     if not args.vehicle:
