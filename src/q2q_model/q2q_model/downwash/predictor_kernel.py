@@ -83,7 +83,7 @@ the horizontal and the vertical reach [m]."""
 
 @compiled
 def body_z(state: Array, axis: Array) -> None:
-    """Write the body z axis (3,) of a row of `states`; level where its orientation is unknown."""
+    """Write the body z axis (3,) of a `state`, a row of `states`; level where its orientation is unknown."""
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
     axis[2] = 1.0 - 2.0 * (x * x + y * y)

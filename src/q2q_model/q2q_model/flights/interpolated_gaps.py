@@ -21,7 +21,7 @@ def resample(t: Array, values: Array, at: Array) -> Array:
 
 
 def nearest_samples(t: Array, at: Array) -> Rows:
-    """Return the row of rising times t (m,) nearest to each of times `at` (k,), the earlier of two, (k,)."""
+    """Return the row of rising times t (m,) nearest to each of `at` (k,), (k,); the earlier of a tie."""
     right = np.clip(np.searchsorted(t, at), 0, len(t) - 1)
     left = np.clip(right - 1, 0, None)
     return np.where(np.abs(t[left] - at) <= np.abs(t[right] - at), left, right)

@@ -133,7 +133,7 @@ def _local_search(seed: int, length: int, judge: Judge, begin: tuple[str, Guided
 
 
 def with_fault_vector(run: Run, vector: Array) -> Run:
-    """Return a run with the faults of a vector (d,), as of `faults_of`, in place of its own."""
+    """Return a run with the faults of a vector (DIMENSION,), as of `faults_of`, in place of its own."""
     return with_faults(run, faults_of(vector, run.scenario.names, last_fault_start(run)))
 
 

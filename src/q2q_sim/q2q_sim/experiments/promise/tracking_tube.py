@@ -119,7 +119,7 @@ def check_enough_flights(flights: int, alpha: float) -> None:
 
 
 def conformal_bound(scores: Array, alpha: float) -> float:
-    """Return the ceil((n + 1)(1 - alpha))-th smallest of scores (n,) [m].
+    """Return the ceil((n + 1)(1 - alpha))-th smallest of scores (n,) [-].
 
     Raises:
         ValueError: there are too few scores.

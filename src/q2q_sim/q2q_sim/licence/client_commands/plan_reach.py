@@ -21,7 +21,7 @@ from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.polynomial import Piece, goal_at
 
 BEHIND = 0.15
-"""Distance by which a plan may leave a vehicle behind [m]: just more than that at which two touch, 0.14."""
+"""Distance by which a plan may leave a vehicle behind [m]: just more than CONTACT, at which two touch."""
 
 
 def reach_violation(plan: Piecewise, here: Array, vehicle: Vehicle) -> str:

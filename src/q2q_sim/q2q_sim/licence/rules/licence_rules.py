@@ -8,15 +8,16 @@
 | collision | two vehicles touch, within `gap` of each other; only a remark if one has lost its link |
 | downwash | two fly within an ellipsoid of `beside` and `below` for `exposed_s`; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |
-| setpoints | their age levels a vehicle out again and again |
+| setpoints | their age levels a vehicle out at least twice, and for LEVEL_SHARE of its flight |
 | spin | it turns faster than `spin` for `spun_s` |
 | yaw | the high-level commander, whose unit is rad, is asked for more than a turn, half a turn at once |
 | command | it is asked for what no vehicle can follow (client_commands) |
-| end | it still flies well after the end of the program, or at the time limit |
+| end | it still flies REST_S after the end of the program, or at the time limit |
 | program | the program fails, dies, does not end, or opens more vehicles than there are |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
 
-The limits in code font are those of LicenceLimits. MotionCommander of cflib itself stops the motors 0.1 m
+The limits in code font are those of LicenceLimits, LEVEL_SHARE is in command_rules, REST_S in program_flight
+(where a flight goes on for so long). MotionCommander of cflib itself stops the motors 0.1 m
 above the floor. Between notify_setpoint_stop and the command after it the firmware stops them, too, for a
 packet or two: a fall of millimetres. The ellipsoid is that of Hoenig et al., Trajectory Planning for
 Quadrotor Swarms, IEEE T-RO 2018.
