@@ -25,7 +25,11 @@ import numpy as np
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
 from q2q_model.identification.gains.impulse_response import CLEAR
-from q2q_model.identification.statistics.flight_bootstrap import ENDS, FEWEST_FLIGHTS, flight_draws
+from q2q_model.identification.statistics.flight_bootstrap import (
+    FEWEST_FLIGHTS,
+    INTERVAL_PERCENTILES,
+    flight_draws,
+)
 from q2q_model.identification.statistics.intervals import UNKNOWN, Interval
 from q2q_model.signals.values import Array
 
@@ -141,7 +145,7 @@ def _bootstrap(gaps: Array, devs: Array, params: DeviationParams) -> Array:
     apart = np.ptp(gaps[drawn], axis=1) > 0.1 * np.ptp(gaps)
     taken = drawn[apart] if apart.any() else np.arange(gaps.size)[None]
     draws = [_decay(gaps[rows], devs[rows], params.allowed) for rows in taken]
-    return np.asarray(np.percentile(np.array(draws), ENDS, axis=0))
+    return np.asarray(np.percentile(np.array(draws), INTERVAL_PERCENTILES, axis=0))
 
 
 def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, float]:

@@ -6,7 +6,7 @@ from q2q_model.signals.values import Rows
 
 FEWEST_FLIGHTS = 3
 """Flights from which an interval is given: two parameters fit two exactly, whatever these measured."""
-ENDS = (2.5, 97.5)
+INTERVAL_PERCENTILES = (2.5, 97.5)
 """Percentiles of the draws at the ends of a 95 % interval."""
 
 

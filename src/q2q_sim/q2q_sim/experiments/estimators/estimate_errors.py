@@ -10,7 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.statistics.flight_bootstrap import ENDS, FEWEST_FLIGHTS, flight_draws
+from q2q_model.flights.masks_over_time import last_time
+from q2q_model.identification.statistics.flight_bootstrap import (
+    FEWEST_FLIGHTS,
+    INTERVAL_PERCENTILES,
+    flight_draws,
+)
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.estimators.mocap_degradations import CONDITIONS, UNDEGRADED, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
@@ -75,10 +80,9 @@ def replayed_errors(motion: RecordedMotion, seeds: Sequence[int]) -> Iterator[Re
 
 def settled_ticks(given: Mask) -> Mask:
     """Return the ticks (T, B) with no sample away for longer than SHORT within the last RECOVERY."""
-    ticks = np.arange(len(given))[:, None]
-    latest = np.maximum.accumulate(np.where(given, ticks, 0), axis=0)
-    away = np.maximum.accumulate(np.where(ticks - latest > round(SHORT / DT), ticks, -len(given)), axis=0)
-    return np.asarray(ticks - away > round(RECOVERY / DT))
+    ticks = np.arange(len(given), dtype=np.float64)  # time in units of DT
+    away = ticks[:, None] - np.maximum(last_time(given, ticks), 0.0)
+    return np.asarray(ticks[:, None] - last_time(away > round(SHORT / DT), ticks) > round(RECOVERY / DT))
 
 
 def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
@@ -98,12 +102,15 @@ def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
 
 
 def pooled_median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
-    """Return the 95 % interval of the pooled median of flights, (m,) [m] each; None below three flights."""
+    """Return the 95 % interval of the pooled median of flights, (m,) [m] each, by a bootstrap over flights.
+
+    None below three flights.
+    """
     if len(flights) < FEWEST_FLIGHTS:
         return None
     rows = flight_draws(len(flights), BOOTSTRAP)
     drawn = [np.median(np.concatenate([flights[k] for k in one])) for one in rows]
-    low, high = _percentiles(np.array(drawn), *ENDS)
+    low, high = _percentiles(np.array(drawn), *INTERVAL_PERCENTILES)
     return float(low), float(high)
 
 

@@ -19,7 +19,11 @@ from functools import reduce
 import numpy as np
 from scipy.special import stdtrit
 
-from q2q_model.identification.statistics.flight_bootstrap import ENDS, FEWEST_FLIGHTS, flight_draws
+from q2q_model.identification.statistics.flight_bootstrap import (
+    FEWEST_FLIGHTS,
+    INTERVAL_PERCENTILES,
+    flight_draws,
+)
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 
@@ -156,6 +160,6 @@ def flight_intervals(flights: Sequence[Sequence[ErrorSums]]) -> dict[str, tuple[
     for name in ("z_rms_ratio", "correlation", "spectrum_db", "coverage95", "worst_ratio"):
         values = [value for one in drawn if (value := getattr(one, name)) is not None]
         if values:
-            low, high = np.percentile(values, ENDS)
+            low, high = np.percentile(values, INTERVAL_PERCENTILES)
             found[name] = float(low), float(high)
     return found
