@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from q2q_model.trajectory.flatness import flat_state
-from q2q_model.vehicle.attitude_limits import THRUST_LEAST, TILT_MAX, YAW_RATE_MAX
+from q2q_model.vehicle.attitude_limits import LEAST_THRUST, TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, GRAVITY
 from q2q_planner.offline.minimum_snap.feasibility import check_feasible, plan_peaks
 from q2q_planner.offline.minimum_snap.flight_limits import (
@@ -122,7 +122,7 @@ def test_a_fall_that_controllers_cannot_command_names_vehicle_waypoint_and_bound
 def test_the_fastest_hop_that_is_accepted_leaves_the_least_thrust() -> None:
     """Accelerations grow with 1 / T^2, so the shortest period follows from the one of a hop in 1.8 s."""
     fall = -minimum_snap(hop(1.8)[0], "free").at(np.array(0.9), 2)[2]
-    shortest = 1.8 * np.sqrt(fall / ((1.0 - THRUST_LEAST) * GRAVITY))
+    shortest = 1.8 * np.sqrt(fall / ((1.0 - LEAST_THRUST) * GRAVITY))
     slower, faster = hop(shortest * 1.0001), hop(shortest * 0.9999)
     check_feasible(minimum_snap_plan(slower, "free"), slower, CRAZYFLIE_2_1)
     assert plan_peaks(minimum_snap_plan(slower, "free")).tilt == 0.0
@@ -183,7 +183,7 @@ def test_limits_are_cut_to_what_thrust_and_tilt_allow() -> None:
     assert np.arctan2(acc[0], acc[1] + GRAVITY).max() == pytest.approx(TILT_MAX, rel=1e-6)
     strong = replace(CRAZYFLIE_2_1, full_pwm_thrust=10.0, thrust_max=10.0)
     fall = with_limits_of(FlightLimits(acceleration=50.0, tilt=1.5), strong).acceleration
-    assert fall == pytest.approx((1.0 - THRUST_LEAST) * GRAVITY)
+    assert fall == pytest.approx((1.0 - LEAST_THRUST) * GRAVITY)
 
 
 def test_a_document_without_times_gets_them_and_one_with_times_keeps_them() -> None:

@@ -26,7 +26,7 @@ tilt_max, the direction of the tilt kept.
 | phi_d theta_d | roll pitch | [rad] |
 | r_d | yaw_rate | [rad/s] |
 | k_psi | k_yaw | [1/s] |
-| f | THRUST_LEAST | least thrust over weight [-] (q2q_model.vehicle.attitude_limits) |
+| f | LEAST_THRUST | least thrust over weight [-] (q2q_model.vehicle.attitude_limits) |
 """
 
 import math
@@ -38,7 +38,7 @@ from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Mask
-from q2q_model.vehicle.attitude_limits import THRUST_LEAST
+from q2q_model.vehicle.attitude_limits import LEAST_THRUST
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 UPRIGHT_MIN = 0.3
@@ -119,7 +119,7 @@ def write_command(acc: Array, row: Array, limits: ThrustLimits, values: Array) -
     """Write thrust, roll, pitch, yaw rate (4,) of one row of a table; return the excess beyond the limits."""
     upright = 1.0 - 2.0 * (row[QUAT_AT] * row[QUAT_AT] + row[QUAT_AT + 1] * row[QUAT_AT + 1])
     desired = limits.mass * (GRAVITY + acc[2]) / max(upright, UPRIGHT_MIN)
-    least = THRUST_LEAST * limits.mass * GRAVITY
+    least = LEAST_THRUST * limits.mass * GRAVITY
     thrust = min(max(desired, least), limits.thrust_max if upright > 0.0 else least)
     yaw = yaw_of(row[QUAT_AT], row[QUAT_AT + 1], row[QUAT_AT + 2], row[QUAT_AT + 3])
     tilt = _tilt(acc, yaw, thrust, limits)

@@ -8,7 +8,7 @@ first of them, or a fallback, as acceleration (`commanded_acceleration`), and as
     minimise sum_k sum_j (r_j(t_k) - r_j,ref(t_k))^2 + (effort)      of (26), for all vehicles that interact
     v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              downwash linear along the last prediction
     d' = -w / T_w                                                    w: residual, if accelerometers correct
-    f m g <= U1 <= U_max, |tilt| <= tilt_max, both with bounded rates          f: THRUST_LEAST
+    f m g <= U1 <= U_max, |tilt| <= tilt_max, both with bounded rates          f: LEAST_THRUST
 
 One linearisation and one solve per tick (real-time iteration; Diehl, Bock, Schloeder, SIAM J. Control Optim.
 43, 2005): the next tick continues from this one's paths. The downwash depends on all paths, so the upper

@@ -52,7 +52,7 @@ NONE = -1
 """Row beyond the first or the last sample."""
 EVERY_TICK = 1.5
 """Period below which a reference comes at every tick, and repeated ones are samples, too [ticks]."""
-FEWEST_CHANGES = 3
+MOST_CHANGES = 3
 """Changes up to which references are no row of goals."""
 VEL, ACC = slice(3, 6), slice(6, 9)
 """Columns of velocity and acceleration, after those of the position."""
@@ -146,7 +146,7 @@ def reference_samples(t: Array, given: Array) -> Samples:
     values = np.nan_to_num(given[known])
     changed = np.append(True, (np.diff(values, axis=0) != 0.0).any(axis=1) | (np.diff(known) > 1))
     steps = np.diff(t[np.append(known[changed], known[-1])])
-    goals = len(steps) > FEWEST_CHANGES and float(np.median(steps)) > HOLD_S
+    goals = len(steps) > MOST_CHANGES and float(np.median(steps)) > HOLD_S
     stands = (steps > HOLD_S)[np.cumsum(changed) - 1] & (values[:, 3:] == 0.0).all(axis=1)
     moving = steps[(steps > 0.0) & (steps <= HOLD_S)]
     if not moving.size:

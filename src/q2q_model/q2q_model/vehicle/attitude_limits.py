@@ -6,6 +6,6 @@ TILT_MAX = 0.35
 YAW_RATE_MAX = 3.5
 """Largest yaw rate [rad/s]."""
 
-THRUST_LEAST = 0.05
+LEAST_THRUST = 0.05
 """Minimum thrust over weight of a controller's command [-]: with none, or less than MIN_THRUST, 1000 of 65535
 (2 to 3 % of the weight), a Crazyflie's motors stop, and nothing holds its attitude."""

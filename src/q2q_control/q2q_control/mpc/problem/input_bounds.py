@@ -11,10 +11,10 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.attitude_limits import THRUST_LEAST
+from q2q_model.vehicle.attitude_limits import LEAST_THRUST
 from q2q_model.vehicle.constants import GRAVITY
 
-FALL = 1.0 - THRUST_LEAST
+FALL = 1.0 - LEAST_THRUST
 """Largest downward acceleration over gravity [-]."""
 
 

@@ -1,6 +1,6 @@
 """Least upward thrust that a trajectory needs, over the vehicle's weight, bounded for every t.
 
-    (g + a_z(t)) / g >= THRUST_LEAST
+    (g + a_z(t)) / g >= LEAST_THRUST
 
 Controllers command no less, whatever the vehicle: it does not follow a reference that falls faster. On a
 stretch of time the quotient is a polynomial, bounded by its Bernstein control points (`branch_and_bound`).
@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_model.trajectory.bernstein import control_points
 from q2q_model.trajectory.polynomials import Trajectory, derive
-from q2q_model.vehicle.attitude_limits import THRUST_LEAST
+from q2q_model.vehicle.attitude_limits import LEAST_THRUST
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_planner.offline.certificate.branch_and_bound import least_on_stretches, polynomial_bounds
 
@@ -31,11 +31,11 @@ class UpwardThrust(NamedTuple):
     @property
     def is_commanded(self) -> bool:
         """Return whether controllers command this little."""
-        return self.share >= THRUST_LEAST
+        return self.share >= LEAST_THRUST
 
     def __str__(self) -> str:
         """Return the thrust in words, with what is allowed."""
-        least = f"controllers command at least {THRUST_LEAST:g}"
+        least = f"controllers command at least {LEAST_THRUST:g}"
         return f"needs an upward thrust of {self.share:.2g} times the weight, {least}"
 
 

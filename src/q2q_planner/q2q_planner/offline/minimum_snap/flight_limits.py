@@ -7,7 +7,7 @@ Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a leng
 35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
 vehicles stop at waypoints. A turn by psi, 3 u^2 - 2 u^3, takes T >= 3/2 |psi| / rate_max, too. Times of free
 curves are then scaled by one factor. In every direction thrust is kept by a <= rpyt_thrust_max / m - g
-and a <= (1 - THRUST_LEAST) g, and tilt by a <= g sin(tilt).
+and a <= (1 - LEAST_THRUST) g, and tilt by a <= g sin(tilt).
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import Trajectory, derive
 from q2q_model.tunable import check_bounds, tunable
-from q2q_model.vehicle.attitude_limits import THRUST_LEAST, TILT_MAX, YAW_RATE_MAX
+from q2q_model.vehicle.attitude_limits import LEAST_THRUST, TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_planner.offline.certificate.branch_and_bound import StretchBounds, least_on_stretches
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
@@ -121,7 +121,7 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
     if spare <= 0.0:
         raise ValueError(f"{vehicle.name}: {vehicle.rpyt_thrust_max} N does not carry {vehicle.mass} kg")
-    fall = (1.0 - THRUST_LEAST) * GRAVITY
+    fall = (1.0 - LEAST_THRUST) * GRAVITY
     return replace(limits, acceleration=min(limits.acceleration, spare, fall, GRAVITY * sin(limits.tilt)))
 
 
