@@ -177,3 +177,16 @@ def test_vehicles_that_sink_slowly_through_the_last_centimetres_have_not_landed(
 def test_without_a_time_to_rest_a_vehicle_has_arrived_when_it_is_there() -> None:
     hover = Hover(along_x(lambda t: 0.5 * t), Arrival(replace(PARAMS, settle_s=0.0), LANDING))
     assert hover.step() == ""
+
+
+@pytest.mark.parametrize(("noise", "seconds"), [(0.001, 1.1), (0.003, 1.1), (0.005, 4.0)])
+def test_a_hundred_standing_vehicles_have_landed_despite_noise(noise: float, seconds: float) -> None:
+    rng = np.random.default_rng(0)
+    arrival, tight = Arrival(PARAMS, LANDING), replace(PARAMS, near_ground=0.03)
+    names, still = tuple(replace(WELL, name=f"cf{row}") for row in range(100)), np.zeros((100, 3))
+    reasons = []
+    for tick in range(round(seconds / STEP)):
+        pos = rng.normal(0.0, noise, (100, 3))
+        seen = Observation(names, pos, still, np.zeros(100), still, still, 0.0, None)
+        reasons.append(arrival.update(seen, on_the_ground(seen, tight), tick * STEP))
+    assert "" in reasons
