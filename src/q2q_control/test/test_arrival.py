@@ -8,7 +8,7 @@ import pytest
 from numpy.polynomial import Polynomial
 from procedure_bench import STEP, WELL
 
-from q2q_control.flight_procedure.checks.arrival import Arrival, at_height, on_the_ground
+from q2q_control.flight_procedure.checks.arrival import LOST_S, Arrival, at_height, on_the_ground
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_model.signals.values import Array
@@ -154,11 +154,13 @@ def test_no_rest_is_completed_while_a_vehicle_is_not_measured() -> None:
     assert reasons[-1] == "cf1 has no state younger than 0.1 s (its last is 0.40 s old): check motion capture"
 
 
-def test_a_vehicle_that_is_lost_for_good_has_not_arrived() -> None:
-    hover, second = Hover(lambda _: np.zeros((2, 3))), np.array([False, True])
-    assert hover.arrives_in(1.0) < 1.0
+@pytest.mark.parametrize("settle_s", [PARAMS.settle_s, 3.0])
+def test_a_vehicle_that_is_lost_for_good_has_not_arrived(settle_s: float) -> None:
+    arrival = Arrival(replace(PARAMS, settle_s=settle_s), LANDING)
+    hover, second = Hover(lambda _: np.zeros((2, 3)), arrival), np.array([False, True])
+    assert hover.arrives_in(5.0) < 5.0
     reasons = [hover.step(blind=second) for _ in range(round(1.0 / STEP))]
-    held = round(PARAMS.settle_s / STEP)
+    held = round(LOST_S / STEP)
     assert not any(reasons[: held - 1])
     assert all(one.startswith("cf1 has no state younger than 0.1 s") for one in reasons[held + 1 :])
 

@@ -4,7 +4,7 @@ A vehicle is at rest once it has stayed within `extent` of one place for settle_
 extent / settle_s does not rest, nor does one that circles or swings by more than that, whatever its period.
 In the air of a room, vehicles that hold their places move at 0.075 m/s (median): two are soon below 0.1 m/s
 together, seven never for 0.5 s. Each is therefore judged by itself, and remains at rest until it leaves its
-point or the place of its rest, or is not measured for settle_s. Shorter gaps in motion capture interrupt no
+point or the place of its rest, or is not measured for LOST_S. Shorter gaps in motion capture interrupt no
 rest, and none is completed within one.
 """
 
@@ -20,6 +20,9 @@ from q2q_model.signals.values import Array
 GROUND_EXTENT = 0.03
 """Largest distance from where a rest on the ground began [m]: six times a noise of 5 mm (standard deviation
 per axis), a poor motion capture; 0.06 m/s on the average of 0.5 s."""
+LOST_S = 0.5
+"""Age of its state from which a vehicle is lost [s]: dropouts of motion capture are shorter
+(q2q_sim.scenarios.room_profiles)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +56,7 @@ class Arrival:
     """Places of vehicles, and since when each has not left its own."""
 
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
-        self._settle_s, self._stale_s = params.settle_s, landing.stale_s
+        self._settle_s, self._stale_s = params.settle_s, min(landing.stale_s, LOST_S)
         self.reset()
 
     def reset(self) -> None:
@@ -71,7 +74,7 @@ class Arrival:
         """
         pos, age = observation.pos, observation.age
         off = np.linalg.norm(pos - rest.points, axis=1)
-        there = (off <= rest.near) & (age <= max(self._settle_s, self._stale_s))
+        there = (off <= rest.near) & (age <= LOST_S)
         moved = np.linalg.norm(pos - self._place, axis=1)
         stays = there & (moved <= np.where(self._rested, max(rest.near, rest.extent), rest.extent))
         self._place = np.where(stays[:, None], self._place, pos)
