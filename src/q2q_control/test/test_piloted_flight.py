@@ -63,7 +63,7 @@ def flight(params: FlightProcedureParams | None = None) -> tuple[PilotedFlight, 
 def in_hover() -> tuple[PilotedFlight, Vehicles, Plan]:
     """Return a flight whose vehicle hovers at 0.5 m over its plan's first point, at t = 1 s."""
     vehicles, plan = Vehicles(), Plan()
-    params = FlightProcedureParams(voltage_start=0.0, settle_s=0.0), LandingParams()
+    params = FlightProcedureParams(voltage_start=0.0, settle_s=0.5), LandingParams()
     piloted = PilotedFlight(("cf1",), vehicles, plan, params)
     first = np.array([[0.0, 0.0, 1.0]])
     piloted.store_plan(PlanOutline(("cf1",), first, first, first, duration=4.0))
@@ -72,9 +72,11 @@ def in_hover() -> tuple[PilotedFlight, Vehicles, Plan]:
     assert piloted.call(Call.TAKE_OFF, 0.0) is None
     for height in (0.0, 0.0, 0.5):
         plan.result, vehicles.result = DONE, DONE
-        piloted.store_state(state_at(height), 1.0)
-        piloted.update(1.0)
-    piloted.update(1.0)
+        piloted.store_state(state_at(height), 0.4)
+        piloted.update(0.4)
+    for t in (0.4, 1.0):
+        piloted.store_state(state_at(0.5), t)
+        piloted.update(t)
     assert piloted.replies()[0][1].granted
     return piloted, vehicles, plan
 

@@ -76,23 +76,49 @@ def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is
     assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
-def test_a_take_off_that_arrives_too_late_to_rest_says_so() -> None:
-    bench = Bench(stuck={Act.TAKE_OFF})
+def ordered_to_take_off(**given: object) -> Bench:
+    """Return a bench whose vehicles have just been told to take off."""
+    bench = Bench(**given)
     bench.call(Call.TAKE_OFF)
     while Act.TAKE_OFF not in bench.acts:
         bench.wait(STEP)
+    return bench
+
+
+def test_a_take_off_that_arrives_too_late_to_rest_says_so() -> None:
+    bench = ordered_to_take_off(stuck={Act.TAKE_OFF})
     bench.wait(bench.params.take_off_s + bench.params.step_timeout_s - 0.3)
     bench.move(HOME + up(0.5))
     bench.wait(8.0)
-    why = r"cf1 still moves: it has stayed within 0\.05 m of one place for 0\.\d+ s, 0\.5 s are required"
-    assert re.fullmatch(f"take-off failed: {why}; landing", bench.answer().reason)
+    held = r"it has stayed within 0\.1 m of one place and below 0\.25 m/s for 0\.\d+ s, 1 s are required"
+    assert re.fullmatch(f"take-off failed: cf1 still moves: {held}; landing", bench.answer().reason)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_vehicle_that_hovers_beside_where_it_stood_has_not_taken_off(axis: int) -> None:
+    bench = ordered_to_take_off(stuck={Act.TAKE_OFF})
+    beside = HOME + up(0.5)
+    beside[1, axis] += 0.2
+    bench.move(beside)
+    bench.wait(8.0)
+    assert bench.answer().reason.startswith(
+        "take-off failed: cf2 is at -0.30 m, 0.20 m from where it should be"
+    )
+
+
+def test_a_vehicle_that_swings_above_where_it_stood_has_not_taken_off() -> None:
+    bench = ordered_to_take_off(stuck={Act.TAKE_OFF})
+    rate = 2.0 * np.pi / 3.0  # [rad/s]: 0.63 m/s at most
+    while not bench.replies:
+        swung, speed = 0.3 * np.sin(rate * bench.t), 0.3 * rate * np.cos(rate * bench.t)
+        bench.move(HOME + np.array([[swung, 0.0, 0.5], [0.0, 0.0, 0.5]]))
+        bench.vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        bench.wait(STEP)
+    assert bench.answer().reason.startswith("take-off failed: cf1 ")
 
 
 def test_vehicles_are_landed_before_they_are_disarmed_where_a_take_off_is_told_to_have_failed() -> None:
-    bench = Bench(refuses={Act.TAKE_OFF: "no answer from all/takeoff"})
-    bench.call(Call.TAKE_OFF)
-    while Act.TAKE_OFF not in bench.acts:
-        bench.wait(STEP)
+    bench = ordered_to_take_off(refuses={Act.TAKE_OFF: "no answer from all/takeoff"})
     bench.move(HOME + up(0.5))
     bench.wait(8.0)
     assert bench.answer() == Reply(granted=False, reason="no answer from all/takeoff; landing")
@@ -192,7 +218,7 @@ def test_after_an_emergency_each_vehicle_must_have_been_locked_or_offline() -> N
     bench.wait(6.0)
     assert bench.procedure.step is Step.STOPPED
     bench.reports = first, second
-    bench.wait(1.0)
+    bench.wait(bench.params.settle_s + 0.1)
     assert bench.procedure.step is Step.CONNECTED
     assert "step connected: vehicles were restarted" in bench.log
 

@@ -55,16 +55,21 @@ class FlightProcedureParams:
         0.1, "height below which a vehicle at rest is on the ground", unit="m", low=0.01, high=0.5
     )
     still_speed: float = tunable(
-        0.1, "mean speed over settle_s below which a vehicle is at rest", unit="m/s", low=0.005, high=1.0
+        0.1,
+        "speed below which a vehicle stands still; in the air a vehicle is at rest below 2.5 times this, "
+        "within this times settle_s of one place",
+        unit="m/s",
+        low=0.005,
+        high=1.0,
     )
     goal_tolerance: float = tunable(
         0.15, "distance at which a vehicle has reached its setpoint", unit="m", low=0.01, high=1.0
     )
     settle_s: float = tunable(
-        0.5,
+        1.0,  # a vehicle that swings about its point is slow for 0.5 s where it turns
         "time that each vehicle must have rested for a step to be completed",
         unit="s",
-        low=0.0,
+        low=0.5,
         high=10.0,
     )
     step_timeout_s: float = tunable(

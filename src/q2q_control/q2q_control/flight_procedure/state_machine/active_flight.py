@@ -1,5 +1,7 @@
 """Flight in progress: what its calls, the outcomes of its orders and the ends of its steps share."""
 
+import numpy as np
+
 from q2q_control.flight_procedure.checks.flight_checks import apart_refusal
 from q2q_control.flight_procedure.checks.ground_check import GroundCheck
 from q2q_control.flight_procedure.observation import Observation
@@ -8,10 +10,11 @@ from q2q_control.flight_procedure.state_machine.procedure_state import Procedure
 from q2q_control.flight_procedure.state_machine.setpoint_stream import SetpointStream
 from q2q_control.flight_procedure.state_machine.transitions import order_of
 from q2q_control.flight_procedure.steps import Act, Order, Step
+from q2q_model.signals.values import Array
 
 
 class ActiveFlight:
-    """Step of a flight, its stream of setpoints, and where a glide leads."""
+    """Step of a flight, its stream of setpoints, where it took off and where a glide leads."""
 
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
         self.params, self.landing = params, landing
@@ -22,6 +25,8 @@ class ActiveFlight:
         """The glide leads to a landing, not to the plan."""
         self.joins = False
         """The vehicles were in the air already: no take-off, no glide."""
+        self.stood: Array = np.full((0, 3), np.nan)
+        """Where the vehicles stood when their take-off began [m], world, (n, 3)."""
         self.down: set[str] = set()
         """Vehicles seen locked or offline since an emergency: the others were not cut yet."""
 

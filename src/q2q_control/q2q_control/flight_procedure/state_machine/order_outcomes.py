@@ -35,6 +35,7 @@ def _succeed(flight: ActiveFlight, act: Act, observation: Observation, reason: s
     if act is Act.WAIT:
         flight.give(Act.ARM, observation, t)
     elif act is Act.ARM:
+        flight.stood = observation.pos.copy()
         state.enter(Step.ARMING if flight.joins else Step.TAKE_OFF, t)
         flight.give(Act.STREAM if flight.joins else Act.TAKE_OFF, observation, t)
     elif act is Act.STREAM:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from q2q_control.flight_procedure.checks.arrival import (
-    at_height,
+    above,
     heights_text,
     in_the_air,
     on_the_ground,
@@ -25,7 +25,7 @@ def end_step(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _climb(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    off = state.arrival.update(observation, at_height(observation, params), t)
+    off = state.arrival.update(observation, above(flight.stood, params), t)
     if not off:
         state.enter(Step.HOVER, t)
         state.answer(granted=True, reason=f"hovering: {heights_text(observation)}")
