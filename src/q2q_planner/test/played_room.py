@@ -28,6 +28,7 @@ class PlayedRoom:
         self.player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
         self.pos, self.t = pos, 100.0
         self.setpoints: list[SwarmSetpoint] = []
+        self.player.update(frame(self.t, self.pos))  # a glide begins where two frames agree
 
     def tick(self, seconds: float = STEP) -> SwarmSetpoint:
         """Play on for a time [s]; return the last reference."""

@@ -1,10 +1,12 @@
 """While a plan waits, the reference is where vehicles are seen; none in flight is left to drift by it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from played_room import ABOVE, GROUND, PLAN, STEP, PlayedRoom, frame
+from played_room import ABOVE, GROUND, NAMES, PLAN, STEP, PlayedRoom, frame
 
-from q2q_model.signals.values import MocapFrame
+from q2q_model.signals.values import Array, MocapFrame
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.plan_playback.glide import GlideParams
@@ -38,6 +40,58 @@ def test_the_reference_follows_no_outlier_but_a_vehicle_that_is_put_elsewhere() 
     room.pos = ABOVE
     np.testing.assert_array_equal(room.tick().pos, GROUND)
     np.testing.assert_array_equal(room.tick().pos, ABOVE)
+
+
+def partial(t: float, names: tuple[str, ...], pos: Array) -> MocapFrame:
+    """Return a frame of some vehicles, level, at positions (len(names), 3)."""
+    return MocapFrame(t, names, pos, np.tile([0.0, 0.0, 0.0, 1.0], (len(names), 1)))
+
+
+OUTLIER = np.array([1.0, -1.0, 0.5])
+
+
+def test_the_reference_follows_no_outlier_in_frames_with_another_object() -> None:
+    player, names = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True), (*NAMES, "wand")
+    places = np.array([*GROUND, [2.0, 2.0, 0.0]])
+    for k in range(10):
+        player.update(partial(STEP * k, names, places))
+    wrong = places + np.array([OUTLIER, np.zeros(3), np.zeros(3)])
+    np.testing.assert_array_equal(player.update(partial(0.1, names, wrong)).pos, GROUND)
+    assert "has moved at 150.0 m/s" in player.glide().reason
+    np.testing.assert_array_equal(player.update(partial(0.1 + STEP, names, places)).pos, GROUND)
+    for k in range(2, 4):
+        carried = player.update(partial(0.1 + STEP * k, names, wrong)).pos
+    np.testing.assert_array_equal(carried, wrong[:2])
+
+
+def test_the_reference_follows_no_outlier_next_to_a_vehicle_that_is_missing() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    for k in range(10):
+        player.update(frame(STEP * k, GROUND))
+    for t, off in ((0.1, 0.0), (0.1 + STEP, 1.0)):
+        seen = player.update(partial(t, NAMES[:1], GROUND[:1] + off * OUTLIER))
+        np.testing.assert_array_equal(seen.pos, GROUND)
+
+
+def test_an_outlier_is_not_confirmed_by_frames_without_its_vehicle() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    for k in range(10):
+        player.update(frame(STEP * k, GROUND))
+    wrong = frame(0.1, GROUND + np.array([OUTLIER, np.zeros(3)]))
+    np.testing.assert_array_equal(player.update(wrong).pos, GROUND)
+    for k in range(1, 4):
+        rest = player.update(partial(0.1 + STEP * k, NAMES[1:], GROUND[1:]))
+        np.testing.assert_array_equal(rest.pos, GROUND)
+
+
+def test_no_glide_begins_where_a_vehicle_was_measured_once_only() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    player.update(frame(0.0, GROUND + np.array([OUTLIER, np.zeros(3)])))
+    assert "not been measured at rest in two frames" in player.glide().reason
+    np.testing.assert_array_equal(player.update(frame(STEP, GROUND)).pos, GROUND)
+    assert "not been measured at rest in two frames" in player.glide().reason
+    np.testing.assert_array_equal(player.update(frame(2 * STEP, GROUND)).pos, GROUND)
+    assert player.glide().granted
 
 
 def test_the_reference_follows_a_clock_that_is_set_back() -> None:
@@ -102,6 +156,7 @@ def test_vehicles_found_on_the_ground_are_followed_after_a_flight_however_low(
     player = PlanPlayer(minimum_snap_plan([VehicleWaypoints("cf1", ways)]), -1.0, GlideParams(), wait=True)
     level = np.array([[0.0, 0.0, 0.0, 1.0]])
     flown = MocapFrame(0.0, ("cf1",), np.array([[0.0, 0.0, height]]), level)
+    player.update(replace(flown, t=-STEP))
     landed = MocapFrame(9.0, ("cf1",), np.array([[0.0, 0.0, ground]]), level)
     player.update(flown)
     assert player.glide().granted

@@ -1,7 +1,7 @@
 """Last measured poses of a plan's vehicles, and the reference at rest that follows them.
 
 A position that is measured farther from the reference than SEEN_AT_REST allows is an outlier, unless the next
-one confirms it: then the vehicle was carried there.
+one that is measured of this vehicle confirms it: then the vehicle was carried there.
 """
 
 from math import isfinite
@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_model.counted import listed
 from q2q_model.geometry.rotations import yaw_from_quat
-from q2q_model.signals.values import Array, MocapFrame, Names, SetpointStatus, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Mask, MocapFrame, Names, SetpointStatus, SwarmSetpoint, index_of
 
 SEEN_AT_REST = 2.0
 """Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
@@ -25,32 +25,38 @@ class MeasuredPoses:
         self._seen = np.full((len(names), 4), np.nan)
         self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
 
-    def update(self, frame: MocapFrame) -> None:
-        """Take the poses measured in a frame; those of a whole one are converted when asked for."""
+    def update(self, frame: MocapFrame) -> Mask:
+        """Take the poses measured in a frame; return whose position it has, (n,).
+
+        Those of a whole frame are converted when asked for.
+        """
         if frame.names == self._names and isfinite(np.vdot(frame.pos, frame.pos)):
             self._whole = frame
-            return
-        self._seen, self._whole = self.poses(), None
+            return np.ones(len(self._names), dtype=np.bool_)
+        self._seen, self._whole = self.known_poses(), None
         rows = index_of(frame.names, self._names)
         seen = (rows >= 0) & np.isfinite(frame.pos).all(axis=1)
         yaw = yaw_from_quat(frame.quat[seen])
         self._seen[rows[seen], :3] = frame.pos[seen]
         self._seen[rows[seen], 3] = np.where(np.isfinite(yaw), yaw, 0.0)
+        measured = np.zeros(len(self._names), dtype=np.bool_)
+        measured[rows[seen]] = True
+        return measured
 
-    def poses(self) -> Array:
+    def known_poses(self) -> Array:
         """Return the last measured positions [m] and yaw [rad], (n, 4); NaN of one never measured."""
         if self._whole is None:
-            return self._seen
+            return self._seen.copy()
         yaw = yaw_from_quat(self._whole.quat)
         return np.column_stack([self._whole.pos, np.where(np.isfinite(yaw), yaw, 0.0)])
 
-    def all_poses(self) -> Array:
+    def complete_poses(self) -> Array:
         """Return the last measured positions [m] and yaw [rad], (n, 4).
 
         Raises:
             ValueError: a vehicle has not been measured yet.
         """
-        seen = self.poses()
+        seen = self.known_poses()
         missing = [
             name for name, one in zip(self._names, seen, strict=True) if not np.isfinite(one[:3]).all()
         ]
@@ -68,22 +74,25 @@ class RestingReference:
         self.reset()
 
     def reset(self) -> None:
-        """Rest where vehicles are measured next."""
-        self.speed = 0.0
-        """Largest speed from the reference to the positions measured a tick later [m/s]."""
+        """Rest where vehicles are measured next; until a second measurement confirms it, at each one."""
+        n = len(self._names)
+        self.speed = np.inf
+        """Largest distance of a measured position from the reference, over the tick [m/s]; infinite while a
+        vehicle's place is not confirmed."""
         self._t = np.nan
-        self._seen = self._rest = np.full((len(self._names), 4), np.nan)
+        self._seen = self._rest = np.full((n, 4), np.nan)
+        self._confirmed = np.zeros(n, dtype=np.bool_)
 
-    def update(self, seen: Array, t: float, *, is_late: bool) -> SwarmSetpoint:
-        """Return the reference of stamp t [s] at measured poses (n, 4); a late frame moves it nowhere."""
+    def update(self, poses: Array, measured: Mask, t: float, *, is_late: bool) -> SwarmSetpoint:
+        """Return the reference of stamp t [s] at last measured poses (n, 4); a late frame does not move it.
+
+        `measured` are the vehicles in the frame, (n,): the others rest where they are.
+        """
         taken = np.isnan(self._rest[:, 0])
         if not is_late:
-            if t > self._t:
-                off, moved = (_distances(seen, one) / (t - self._t) for one in (self._rest, self._seen))
-                self.speed = float(np.nanmax(off, initial=0.0))
-                taken |= (off <= SEEN_AT_REST) | (moved <= SEEN_AT_REST)
-            self._seen, self._t = seen, t
-        self._rest = np.where(taken[:, None], seen, self._rest)
+            taken |= self._believed(poses, measured, t - self._t)
+            self._seen, self._t = np.where(measured[:, None], poses, self._seen), t
+        self._rest = np.where(taken[:, None], poses, self._rest)
         n = len(self._names)
         return SwarmSetpoint(
             t=t,
@@ -95,6 +104,19 @@ class RestingReference:
             yaw_rate=np.zeros(n),
             status=np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8),
         )
+
+    def _believed(self, poses: Array, measured: Mask, tick: float) -> Mask:
+        """Return whose measured positions are no outliers, `tick` [s] after the last ones, (n,)."""
+        unconfirmed = measured & ~self._confirmed
+        if not tick > 0.0:  # the first frame, or a clock that was set back
+            return unconfirmed
+        off, moved = (_distances(poses, one)[measured] / tick for one in (self._rest, self._seen))
+        again = moved <= SEEN_AT_REST
+        self._confirmed[measured] |= again
+        self.speed = float(np.nanmax(off, initial=0.0)) if self._confirmed.all() else np.inf
+        believed = unconfirmed
+        believed[measured] |= (off <= SEEN_AT_REST) | again
+        return believed
 
 
 def _distances(first: Array, second: Array) -> Array:

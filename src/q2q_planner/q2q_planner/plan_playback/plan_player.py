@@ -83,7 +83,7 @@ class PlanPlayer:
         Raises:
             ValueError: while waiting, a vehicle has not been measured yet.
         """
-        self._measured.update(frame)
+        measured = self._measured.update(frame)
         last = self._last
         if last is None:
             self._order.reset()
@@ -95,7 +95,8 @@ class PlanPlayer:
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
         if self.played is None:
-            setpoint = self._resting.update(self._measured.all_poses(), frame.t, is_late=is_late)
+            poses = self._measured.complete_poses()
+            setpoint = self._resting.update(poses, measured, frame.t, is_late=is_late)
         else:
             setpoint = _at(self.played, frame.t)
         if not is_late:
@@ -188,6 +189,9 @@ class PlanPlayer:
         if max(speed[row], turn[row]) > AT_REST:
             state = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s and {turn[row]:.2f} rad/s"
             return Reply(granted=False, reason=f"{state}: hold first")
+        if self.played is None and self._resting.speed == np.inf:
+            state = "the vehicles have not been measured at rest in two frames yet"
+            return Reply(granted=False, reason=f"{state}: call again")
         if self.played is None and self._resting.speed > SEEN_AT_REST:
             state = f"a measured position has moved at {self._resting.speed:.1f} m/s"
             return Reply(granted=False, reason=f"{state} since the frame before: keep the vehicles at rest")
@@ -197,7 +201,7 @@ class PlanPlayer:
         """Return which vehicle is at the reference that is played; empty if none is."""
         if self.played is None or self._last is None:
             return ""
-        far = np.linalg.norm(self._measured.poses()[:, :3] - self._last.pos, axis=1)
+        far = np.linalg.norm(self._measured.known_poses()[:, :3] - self._last.pos, axis=1)
         for name, off in zip(self._plan.names, far.tolist(), strict=True):
             if off <= FLOWN_WITHIN:
                 state = f"{name} is {off:.2f} m from its reference: in flight it would drift"
