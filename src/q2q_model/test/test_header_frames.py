@@ -58,9 +58,12 @@ def test_an_empty_frame_and_one_with_a_slash_are_no_other_frame(tmp_path: Path, 
     assert read_mapped_flight(bag, MAP).names == ("cf1", "cf2")
 
 
-def test_frames_that_the_map_lists_are_one(tmp_path: Path) -> None:
-    bag = pose_bag(tmp_path, lambda topic, _: "mocap" if topic == "/b" else "world")
-    listed = TopicMap(MAP.vehicles, references=MAP.references, frames=("world", "mocap"))
+@pytest.mark.parametrize("in_bag", ["", "/"])
+@pytest.mark.parametrize("in_map", ["", "/"])
+def test_frames_that_the_map_lists_are_one(tmp_path: Path, in_bag: str, in_map: str) -> None:
+    bag = pose_bag(tmp_path, lambda topic, _: in_bag + ("mocap" if topic == "/b" else "world"))
+    frames = f"{in_map}world", f"{in_map}mocap"
+    listed = TopicMap(MAP.vehicles, references=MAP.references, frames=frames)
     assert read_mapped_flight(bag, listed).names == ("cf1", "cf2")
     bag = pose_bag(tmp_path, lambda topic, _: {"/a": "world", "/b": "mocap", "/r": "base_link"}[topic])
     with pytest.raises(BagError, match="of 3 frames"):

@@ -1,4 +1,4 @@
-"""Frames that the headers of mapped topics name: positions of several frames are of no use together."""
+"""Frames that the headers of mapped topics name: positions in different frames cannot be compared."""
 
 import struct
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ def check_frames(source: Source, channels: Mapping[str, Channel], topic_map: Top
     topics = (*topic_map.vehicles.values(), topic_map.poses, *topic_map.references.values())
     of_topic = {topic: _frames(source, channels[topic]) for topic in dict.fromkeys(filter(None, topics))}
     frames = list(dict.fromkeys(frame for found in of_topic.values() for frame in found))
-    if len(frames) < 2 or set(frames) <= set(topic_map.frames):
+    if len(frames) < 2 or set(frames) <= {_without_slash(frame) for frame in topic_map.frames}:
         return
     where = [
         f"{topic} in {' and '.join(first_of(found, MOST))}" for topic, found in of_topic.items() if found
@@ -43,5 +43,9 @@ def _frames(source: Source, channel: Channel) -> list[str]:
             order = "<" if source.ros1 or message.data[1] & 1 else ">"
             begin, (size,) = LENGTH_AT + 4, struct.unpack_from(f"{order}I", message.data, LENGTH_AT)
             text = message.data[begin : begin + size].decode()
-        found[text.rstrip("\0").removeprefix("/")] = None
+        found[_without_slash(text.rstrip("\0"))] = None
     return [frame for frame in found if frame]
+
+
+def _without_slash(frame: str) -> str:
+    return frame.removeprefix("/")
