@@ -62,6 +62,9 @@ def test_the_file_is_named(tmp_path: Path) -> None:
     ("e3", "e3"), ("1e", "1e"), ("1e3x", "1e3x"), ("0x1f", 31), ("-0", 0), ("+2", 2),
     (".5", 0.5), ("-1.", -1.0), ("08.5", 8.5), ("-.inf", float("-inf")),
     ("010", "010"), ("1:30", "1:30"), ("1:30.5", "1:30.5"), ("1_0", "1_0"),
+    ("0o10", "0o10"), ("-0x1f", "-0x1f"), ("0x1F", 31), ("on", True),  # the last as in YAML 1.1
 ])  # fmt: skip
-def test_numbers_are_those_of_yaml_1_2(text: str, value: object) -> None:
+def test_numbers_are_those_on_which_yaml_1_1_and_1_2_agree_and_those_of_json(
+    text: str, value: object
+) -> None:
     assert parse_yaml(f"a: {text}") == {"a": value}

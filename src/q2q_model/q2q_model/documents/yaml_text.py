@@ -1,7 +1,8 @@
 """YAML documents as plain values; an error is one line with the place in the file.
 
-A duplicate key, of which YAML would silently keep the last, is an error. 1e-3 is a number, as in YAML 1.2; in
-YAML 1.1, which PyYAML reads, it is text, 010 is 8 and 1:30 is 90. Here 010 and 1:30 are text.
+A duplicate key, of which YAML would silently keep the last, is an error. Numbers are those of JSON, also with
+a plus sign or without a digit on one side of the point, and 0x1F; what YAML 1.1 and 1.2 read differently, as
+010, 0o10, 1:30 and 1_0, is text. Other values are those of YAML 1.1, as PyYAML reads them: on, yes and off.
 """
 
 import re
@@ -89,7 +90,7 @@ _Loader.yaml_implicit_resolvers = {
     first: [(tag, pattern) for tag, pattern in resolvers if tag not in {_INT, _FLOAT}]
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
-_Loader.add_implicit_resolver(_INT, re.compile(r"[-+]?(0|[1-9][0-9]*|0x[0-9a-fA-F]+)$"), [*"-+0123456789"])
+_Loader.add_implicit_resolver(_INT, re.compile(r"[-+]?(0|[1-9][0-9]*)$|0x[0-9a-fA-F]+$"), [*"-+0123456789"])
 _Loader.add_implicit_resolver(
     _FLOAT,
     re.compile(
