@@ -18,7 +18,13 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.radio.link import cflib_link
-from q2q_control.radio.link.firmware_params import POSE_STD, firmware_params, first_difference
+from q2q_control.radio.link.firmware_params import (
+    POSE_STD,
+    firmware_params,
+    first_difference,
+    left_out_lines,
+    settings_lines,
+)
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
@@ -245,7 +251,18 @@ def test_parameters_of_the_node_are_checked() -> None:
     assert firmware_params(("ctrlMel.mass=0.05",), "setpoint", poses=True, of_file=of_file) == {
         **POSE_STD, **of_file, "stabilizer.controller": 2.0, "ctrlMel.mass": 0.05,
     }  # fmt: skip
-    assert firmware_params((), "command", of_file=of_file) == of_file
+    without = {name: value for name, value in of_file.items() if name != "stabilizer.controller"}
+    assert firmware_params((), "command", of_file=of_file) == without  # attitudes are for the PID's loop
+    own = firmware_params(("stabilizer.controller=2",), "command", of_file=of_file)
+    assert own == without | {"stabilizer.controller": 2.0}
+    assert left_out_lines({"cf1": of_file, "cf2": {}}, "setpoint") == []
+    (left_out,) = left_out_lines({"cf1": of_file, "cf2": {}}, "command")
+    assert left_out.startswith(
+        "stabilizer.controller of crazyflies is left out (1 of cf1): with mode:=command"
+    )
+    assert settings_lines({"cf1": {"a.b": 4294967295.0, "c.d": 1e-3}}) == [
+        "firmware_params of cf1: a.b=4294967295, c.d=0.001"
+    ]
     with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
         firmware_params(("nonsense",), "command")
 

@@ -63,6 +63,14 @@ def test_each_crazyflie_has_its_firmware_params_over_those_of_its_type_and_of_al
     ]
 
 
+def test_a_firmware_parameter_that_is_no_number_is_named_with_its_type_or_all() -> None:
+    wrong = {"firmware_params": {"ring": {"effect": "010"}}}
+    document = {"robots": {"cf1": {"enabled": True, "uri": f"{URI}1", "type": "cf21"}}}
+    for place, level in (("robot_types.cf21", {"robot_types": {"cf21": wrong}}), ("all", {"all": wrong})):
+        with pytest.raises(ValueError, match=rf"{place}\.firmware_params\.ring\.effect = '010': a number"):
+            crazyflies_from_document({**document, **level})
+
+
 def test_only_robots_of_a_crazyflies_connection_are_flown() -> None:
     found = crazyflies_from_document({"robots": ROBOTS, "robot_types": TYPES})
     assert [one.name for one in found] == ["cf1"]
@@ -106,7 +114,7 @@ def test_a_robots_own_connection_is_for_the_radio_only_as_crazyswarm2_does_not_r
                     "firmware_params": {"ctrlMel": {"mass": "heavy"}},
                 }
             },
-            r"firmware_params: ctrlMel\.mass = 'heavy': a number is expected",
+            r"robots\.cf1\.firmware_params\.ctrlMel\.mass = 'heavy': a number is expected",
         ),
         ({"my cf": {"enabled": True, "uri": "udp://x"}}, "vehicle 'my cf': a name is a letter"),
     ],

@@ -104,7 +104,7 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     """
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
     enabled = tuple(
-        Crazyflie(name, robot.uri, robot.initial_position, _params_of(fleet, robot))
+        Crazyflie(name, robot.uri, robot.initial_position, _params_of(fleet, name, robot))
         for name, robot in fleet.robots.items()
         if fleet.is_flown(robot)
     )
@@ -153,24 +153,27 @@ def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float
         ValueError: a value is not a number, or as crazyflies_from_document.
     """
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
-    return _params_of(fleet, fleet.robots.get(name, _Robot()), by_type=by_type)
+    return _params_of(fleet, name, fleet.robots.get(name, _Robot()), by_type=by_type)
 
 
-def _params_of(fleet: _Fleet, robot: _Robot, *, by_type: bool = True) -> dict[str, float]:
-    levels = (fleet.all or _Robot(), fleet.type_of(robot) if by_type else _Robot(), robot)
+def _params_of(fleet: _Fleet, name: str, robot: _Robot, *, by_type: bool = True) -> dict[str, float]:
+    levels = {
+        "all": fleet.all or _Robot(),
+        f"robot_types.{robot.type}": fleet.type_of(robot) if by_type else _Robot(),
+        f"robots.{name}": robot,
+    }
     return {
-        f"{group}.{parameter}": _as_float(value, f"{group}.{parameter}")
-        for level in levels
+        f"{group}.{parameter}": _as_float(value, f"{place}.firmware_params.{group}.{parameter}")
+        for place, level in levels.items()
         for group, values in (level.firmware_params or {}).items()
         for parameter, value in (values or {}).items()
     }
 
 
-def _as_float(value: object, name: str) -> float:
-    """Return a YAML number; infinite, which no parameter can be, if it exceeds every float."""
+def _as_float(value: object, place: str) -> float:
+    """Return the YAML number at a place; infinite, which no parameter can be, if it exceeds every float."""
     if not isinstance(value, int | float):
-        given = f"crazyflies.yaml: firmware_params: {name} = {value!r}"
-        raise ValueError(f"{given}: a number is expected")  # noqa: TRY004  the file is wrong
+        raise ValueError(f"crazyflies.yaml: {place} = {value!r}: a number is expected")  # noqa: TRY004  the file is wrong
     try:
         return float(value)
     except OverflowError:

@@ -7,7 +7,7 @@ from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.radio.crazyflies_file import Crazyflie, crazyflies_at, crazyflies_from_file
 from q2q_control.radio.link.cflib_link import CflibLink
-from q2q_control.radio.link.firmware_params import firmware_params
+from q2q_control.radio.link.firmware_params import firmware_params, left_out_lines, settings_lines
 from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_control.radio.link.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
@@ -52,6 +52,9 @@ class RadioVehicles:
             for one in crazyflies
         }
         """Parameters that are set on each vehicle once it is connected."""
+        of_files = {one.name: one.firmware_params for one in crazyflies}
+        self.settings = settings_lines(self.firmware_params) + left_out_lines(of_files, params.mode)
+        """Lines for the log on these parameters."""
         self.links = _open_links(crazyflies, self.firmware_params, params.toc_cache)
         hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
         flight, landing = procedure

@@ -7,7 +7,6 @@ from std_srvs.srv import Empty
 
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Call
-from q2q_control.radio.link.firmware_params import settings_lines
 from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_vehicles import WATCH_S, RadioVehicles
@@ -38,7 +37,7 @@ class RadioNode:
         limits, landing = declare(node, RadioPilotParams()), declare(node, LandingParams())
         procedure = declare(node, FlightProcedureParams()), landing
         self._vehicles = RadioVehicles(params, limits, procedure, health)
-        for line in settings_lines(self._vehicles.firmware_params):
+        for line in self._vehicles.settings:
             node.get_logger().info(line)
         self._topics = RadioTopics(node, self._vehicles.names, params.pose_hz)
         self._services = ProcedureServices(

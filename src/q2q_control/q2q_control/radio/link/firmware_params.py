@@ -27,14 +27,16 @@ def firmware_params(
 ) -> dict[str, float]:
     """Return the parameters to set on a vehicle.
 
-    Each overrides those before it: POSE_STD where poses are sent, those of the file of vehicles, Mellinger's
-    controller for full states, `entries`.
+    Each overrides those before it: POSE_STD where poses are sent, those of the file of vehicles without its
+    controller, Mellinger's controller for full states, `entries`.
 
     Raises:
         ValueError: an entry is not `group.name=value`.
     """
     controller = {CONTROLLER: MELLINGER} if mode == "setpoint" else {}
-    params = (POSE_STD if poses else {}) | dict(of_file or {}) | controller
+    params = {**(POSE_STD if poses else {}), **(of_file or {})}
+    params.pop(CONTROLLER, None)
+    params |= controller
     for entry in entries:
         name, _, value = entry.partition("=")
         expected = f"firmware_params: {entry!r}: group.name=value is expected"
@@ -51,8 +53,25 @@ def settings_lines(by_vehicle: Mapping[str, Mapping[str, float]]) -> list[str]:
     """Return what is set on which vehicles, one line for all of the same parameters."""
     vehicles: defaultdict[str, list[str]] = defaultdict(list)
     for name, params in by_vehicle.items():
-        vehicles[", ".join(f"{key}={value:g}" for key, value in sorted(params.items()))].append(name)
+        vehicles[", ".join(f"{key}={_text(value)}" for key, value in sorted(params.items()))].append(name)
     return [f"firmware_params of {', '.join(names)}: {text}" for text, names in vehicles.items() if text]
+
+
+def left_out_lines(of_files: Mapping[str, Mapping[str, float]], mode: str) -> list[str]:
+    """Return whose controller of the file of vehicles is left out where attitudes are sent, and why."""
+    named = [
+        f"{_text(params[CONTROLLER])} of {name}" for name, params in of_files.items() if CONTROLLER in params
+    ]
+    if mode == "setpoint" or not named:
+        return []
+    left_out = f"{CONTROLLER} of crazyflies is left out ({', '.join(named)})"
+    why = "with mode:=command the constants are those of the PID's attitude loop"
+    return [f"{left_out}: {why}; if you mean it, set it in the parameter firmware_params"]
+
+
+def _text(value: float) -> str:
+    """Return a value with the digits of the largest one of 32 bits."""
+    return f"{value:.10g}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +110,7 @@ def _unsettable(name: str, value: float, table: Mapping[str, TableEntry]) -> str
         struct.pack(layout, value if layout in FLOATS else int(value))
     except (struct.error, OverflowError, ValueError):
         bits = 8 * struct.calcsize(layout)
-        return f"its {name} cannot be {value:g} (firmware_params): it has {bits} bits"
+        return f"its {name} cannot be {_text(value)} (firmware_params): it has {bits} bits"
     return ""
 
 
