@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from q2q_model.node.exclusive_use import claim
+from q2q_sim.processes import domain as domain_module
 from q2q_sim.processes.domain import own_domain
 
 FLY = """
@@ -45,6 +47,19 @@ def test_a_second_flight_in_a_domain_the_user_has_set_is_refused_until_the_first
         "ROS_DOMAIN_ID"
     )
     assert subprocess.run(program, capture_output=True, text=True, check=True).stdout == "108\n"
+
+
+def test_if_flights_have_all_domains_the_next_one_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "")
+    monkeypatch.setattr(domain_module, "DOMAINS", range(120, 122))
+    message = "^ROS domains 120 to 121 are in use by other flights on this machine: end one, or set another"
+    with (
+        claim("ROS domain 120"),
+        claim("ROS domain 121"),
+        pytest.raises(ValueError, match=message),
+        own_domain(),
+    ):
+        pass
 
 
 def test_a_process_that_keeps_a_domain_flies_in_it(monkeypatch: pytest.MonkeyPatch) -> None:

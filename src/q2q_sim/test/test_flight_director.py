@@ -70,7 +70,7 @@ def test_a_summary_that_is_no_timing_is_refused_with_the_node_that_writes_it(sum
 
 
 def test_a_summary_is_refused_where_two_simulators_fly() -> None:
-    said = r"^another simulator flew in this ROS domain \(/flight_summary is written by one, simulator\)"
+    said = r"^another flight was in this ROS domain \(/flight_summary is written by one, simulator\)"
     with (
         own_domain(),
         FlightDirector(lambda: None) as director,

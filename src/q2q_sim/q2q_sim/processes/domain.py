@@ -12,12 +12,15 @@ DOMAINS = range(20, 100)
 """Candidate domains: below 101, above those usually set by hand (ROS 2 documentation, domain id)."""
 
 _OWN: set[int] = set()
-"""Domains of this process: one that keeps a domain for many flights flies some in processes of their own."""
+"""Domains of this process: a campaign keeps one for all its flights."""
 
 
 @contextmanager
 def own_domain() -> Iterator[int]:
     """Reserve a free domain on this machine and set ROS_DOMAIN_ID; a domain or range set by the user is kept.
+
+    The domain is for flights of this process: to a process that it starts, the variable is one that the user
+    has set, and its flights are refused as those of others in this domain.
 
     Raises:
         ValueError: other flights have the domain of the user, or all; or the user's is the last one, on this
@@ -46,7 +49,10 @@ def _first_free(domains: Sequence[int]) -> tuple[int, socket]:
     for domain in domains:
         with suppress(ValueError):
             return domain, claim(f"ROS domain {domain}")
-    asked = f"{domains[0]}" if len(domains) == 1 else f"{domains[0]} to {domains[-1]}"
-    raise ValueError(
-        f"ROS domain {asked} is in use by another flight on this machine: end it, or set another {DOMAIN}"
-    )
+    if len(domains) == 1:
+        used = f"ROS domain {domains[0]} is in use by another flight on this machine: end it"
+    else:
+        used = (
+            f"ROS domains {domains[0]} to {domains[-1]} are in use by other flights on this machine: end one"
+        )
+    raise ValueError(f"{used}, or set another {DOMAIN}")

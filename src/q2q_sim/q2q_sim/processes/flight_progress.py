@@ -51,12 +51,12 @@ class FlightProgress:
             raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self.ticks}; see the nodes' logs")
 
 
-def check_one_simulator(writers: Collection[str]) -> None:
+def check_one_writer(writers: Collection[str]) -> None:
     """Raise ValueError if more than one node that is there writes summaries."""
     found = sorted(name for name in writers if name != DEAD)
     if len(found) > 1:
         raise ValueError(
-            f"another simulator flew in this ROS domain ({SUMMARY} is written by {', '.join(found)}): "
+            f"another flight was in this ROS domain ({SUMMARY} is written by {', '.join(found)}): "
             "set another ROS_DOMAIN_ID"
         )
 

@@ -27,7 +27,7 @@ from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.topic_names import PLAYBACK_OVER
-from q2q_sim.processes.flight_progress import SUMMARY, FlightProgress, check_one_simulator, timing_of_summary
+from q2q_sim.processes.flight_progress import SUMMARY, FlightProgress, check_one_writer, timing_of_summary
 from q2q_sim.simulator.flight_clock import FlightTiming
 
 POLL_S = 0.05
@@ -149,7 +149,7 @@ class FlightDirector:
             progress(self._progress.ticks)
         writers = self._publishers_of(SUMMARY)
         if self._started_ros:
-            check_one_simulator(writers)
+            check_one_writer(writers)
         return timing_of_summary(summary, writers)
 
     def wait_drained(self, nodes: Iterable[str]) -> None:
