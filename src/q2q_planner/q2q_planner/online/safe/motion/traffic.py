@@ -8,7 +8,7 @@ that times A + hold; neither changes by more than `speed_max` allows; and it may
 brakes from `hold` after its message on, since any other choice was proven against us.
 
 Without bounded jerk, a vehicle on its reference and in no pair holds its acceleration even beyond acc_max, so
-that one counts in how far it may fly until it rests, as long as it is held.
+its stopping distance counts that acceleration while it is held.
 """
 
 from dataclasses import dataclass
@@ -135,11 +135,11 @@ def _placed(
         stays = stays & near
     put = near | stays
     _put(there, rows, reference, put)
-    pairs = interacting_pairs(own, there, _held(there, rows, reference, put, limits), limits)
+    pairs = interacting_pairs(own, there, _held(len(pos), rows, reference, put, limits), limits)
     if np.any(rows_in_pairs(pairs, len(pos))[:own] & put & ~near):
         put = near
         _put(there, rows, reference, put)
-        pairs = interacting_pairs(own, there, _held(there, rows, reference, put, limits), limits)
+        pairs = interacting_pairs(own, there, _held(len(pos), rows, reference, put, limits), limits)
     return put, there, pairs
 
 
@@ -152,11 +152,9 @@ def _put(there: TrafficRows, rows: MotionRows, reference: ReferenceRows, put: Ma
 
 
 @compiled
-def _held(
-    there: TrafficRows, rows: MotionRows, reference: ReferenceRows, put: Mask, limits: TrafficLimits
-) -> Array:
-    """Return the largest acceleration that each row holds, now or on its old motion [m/s^2], (rows,)."""
-    held = np.full(len(there.pos), limits.acc)
+def _held(count: int, rows: MotionRows, reference: ReferenceRows, put: Mask, limits: TrafficLimits) -> Array:
+    """Return the largest acceleration that each of `count` rows holds, now or on its old motion [m/s^2]."""
+    held = np.full(count, limits.acc)
     if limits.jerk_limited:
         return held
     for row in range(put.size):
