@@ -43,18 +43,26 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
     for name in placed:
         owner = next((other for other in placed if name.startswith(f"{other}_")), None)
         if owner is None:
-            check_vehicle_name(name)
+            _check_name(name)
             found[name] = f"{name}_"
         else:
             _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
     if not found:
         for name in (one.removesuffix("_x") for one in columns if one.endswith("_x")):
             if name != ESTIMATE and all(f"{name}_{axis}" in columns for axis in AXES):
-                check_vehicle_name(name)
+                _check_name(name)
         raise ValueError(
             f"the table has neither x, y, z nor <vehicle>_x, _y, _z; it has {', '.join(columns)}"
         )
     return found
+
+
+def _check_name(name: str) -> None:
+    """Raise ValueError for what a column begins with if it can be no vehicle's name."""
+    try:
+        check_vehicle_name(name)
+    except ValueError as wrong:
+        raise ValueError(f"{wrong}: rename its columns, as in cf1_x") from wrong
 
 
 def _before_x(columns: Collection[str]) -> list[str]:
