@@ -8,8 +8,8 @@ import pytest
 
 from q2q_model.bag import BagReader, BagRepairWarning, BagWriter, read_flight
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.impossible_values import possible_flight, possible_log
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.recordings.impossible_values import possible_flight, possible_log
 from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_model.signals.values import SwarmCommand
 

@@ -8,7 +8,6 @@ from q2q_model.bag.log_topic import LOG_TYPE, has_log
 from q2q_model.bag.storage.errors import warn_of_repairs
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
-from q2q_model.flights.impossible_values import possible_flight, possible_log
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.flights.tables.flight_table import FlightTable, flight_table
 from q2q_model.flights.tables.table_file import TABLES, read_columns
@@ -17,6 +16,7 @@ from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.flights.units_and_frames.unit_check import check_flight_metres
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.flight_recording import Recording
+from q2q_model.recordings.impossible_values import possible_flight, possible_log
 
 
 def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
