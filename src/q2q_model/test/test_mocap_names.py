@@ -18,7 +18,7 @@ from mocap_frames import (
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.estimation.stray_names import LOST_MOST
+from q2q_model.estimation.stray_names import MOST_LOST
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState
 
@@ -232,7 +232,7 @@ def test_names_that_change_for_ever_do_not_grow_the_state_for_ever():
         assert block.refuses_names == (state.names[-1] != f"m{tick}")
         np.testing.assert_allclose(state.pos[:2], expected.pos, atol=1e-12)
         assert (state.status[:2] == expected.status).all()
-    assert state.names == (*PAIR, *(f"m{tick}" for tick in range(LOST_MOST)))
+    assert state.names == (*PAIR, *(f"m{tick}" for tick in range(MOST_LOST)))
     assert block.refuses_names
 
 
@@ -252,11 +252,11 @@ def test_names_that_one_frame_had_are_forgotten_when_they_are_lost_but_for_a_few
         np.testing.assert_allclose(state.pos[:2], expected.pos, atol=1e-12)
         np.testing.assert_allclose(state.vel[:2], expected.vel, atol=1e-12)
         assert (state.status[:2] == expected.status).all()
-        kept = 0 if tick < 20 else LOST_MOST if state.t - time_of(20) > COAST_S + 0.015 else len(strays)
+        kept = 0 if tick < 20 else MOST_LOST if state.t - time_of(20) > COAST_S + 0.015 else len(strays)
         assert state.names == (*PAIR, *strays[:kept])
-    assert block.warnings.missing == strays[:LOST_MOST]
+    assert block.warnings.missing == strays[:MOST_LOST]
     states = [block.update(_crowd(tick, strays)) for tick in range(100, 160)]
-    assert states[0].names == (*PAIR, *strays[:LOST_MOST])
+    assert states[0].names == (*PAIR, *strays[:MOST_LOST])
     assert states[-1].names == (*PAIR, *strays)  # adopted once those are back
     assert (states[-1].status == TRACKED).all()
 
@@ -282,7 +282,7 @@ def test_a_filter_that_refused_names_takes_them_after_a_reset():
 
 
 def test_a_vehicle_that_came_while_many_were_lost_is_adopted_once_they_are_back():
-    names = tuple(f"cf{k}" for k in range(LOST_MOST + 1))
+    names = tuple(f"cf{k}" for k in range(MOST_LOST + 1))
     place = np.arange(len(names))[:, None] * [0.5, 0.0, 0.0]
     block = MocapFilter(IDEAL_SENSING, ())
 
@@ -293,9 +293,9 @@ def test_a_vehicle_that_came_while_many_were_lost_is_adopted_once_they_are_back(
             state = block.update(MocapFrame(time_of(tick), names[seen], rows, quat))
         return state
 
-    fly(range(30), slice(LOST_MOST))
+    fly(range(30), slice(MOST_LOST))
     assert (fly(range(30, 100), slice(0)).status == LOST).all()
-    assert fly(range(100, 101), slice(None)).names == names[:LOST_MOST]
+    assert fly(range(100, 101), slice(None)).names == names[:MOST_LOST]
     assert block.refuses_names
     state = fly(range(101, 200), slice(None))
     assert state.names == names

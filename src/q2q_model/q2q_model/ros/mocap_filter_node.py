@@ -9,7 +9,7 @@ from q2q_model.diagnostics.health import Health
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.estimation.mocap_warnings import MocapWarnings
-from q2q_model.estimation.stray_names import LOST_MOST
+from q2q_model.estimation.stray_names import MOST_LOST
 from q2q_model.ros.node.input_warnings import StalledStampWarning, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
@@ -19,7 +19,7 @@ from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 
 CHANGING_NAMES = (
-    f"{LOST_MOST} vehicles are lost, and no new names are taken: set the parameter vehicles to those that fly"
+    f"{MOST_LOST} vehicles are lost, and no new names are taken: set the parameter vehicles to those that fly"
 )
 
 
@@ -28,7 +28,7 @@ class MocapFilterNodeParams:
     """Parameters of the node in addition to those of the filter."""
 
     vehicles: tuple[str, ...] = tunable(
-        (), f"vehicles to track; empty: all that appear, until {LOST_MOST} are lost", read_only=True
+        (), f"vehicles to track; empty: all that appear, until {MOST_LOST} are lost", read_only=True
     )
     vehicle_topics_hz: float = tunable(
         10.0,
