@@ -32,6 +32,7 @@ SERVICES = {
     "q2q_model/compilation/kernel_digest.py",
     "q2q_model/compiled.py",
     "q2q_model/counted.py",
+    "q2q_model/estimation/frame_counts.py",
     "q2q_model/estimation/frame_rows.py",
     "q2q_model/node/lean_imports.py",
     "q2q_model/plain_console.py",
@@ -41,7 +42,7 @@ SERVICES = {
     "q2q_model/tunable.py",
     "q2q_model/writable_places.py",
 }
-"""Services that blocks and commands use: parsing, parameters, compilation, stamps, rows and words."""
+"""Services that blocks and commands use: parsing, parameters, compilation, stamps, rows, counts and words."""
 BESIDE_FLIGHT = {
     "q2q_model/estimation/frame_intervals.py",
     "q2q_planner/plan_playback/measured_poses.py",
@@ -101,6 +102,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/gains/gain_agreement.py",
     "q2q_model/recordings/distinct_flights.py",
     "q2q_model/recordings/filtered_states.py",
+    "q2q_model/recordings/impossible_values.py",
     "q2q_model/signals/cdr/cdr_format.py",
     "q2q_model/signals/cdr/cdr_head.py",
     "q2q_model/recordings/bag_vehicle.py",
