@@ -4,8 +4,8 @@ import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
 from q2q_model.signals.values import (
+    CUT,
     Array,
-    CommandStatus,
     Names,
     SwarmCommand,
     SwarmSetpoint,
@@ -14,8 +14,6 @@ from q2q_model.signals.values import (
     index_of,
     rows_by_name,
 )
-
-_CUT = int(CommandStatus.CUT)
 
 
 class FlightView:
@@ -50,7 +48,7 @@ class FlightView:
 
     def store_command(self, command: SwarmCommand) -> None:
         """Store which motors a command has cut."""
-        cut = {command.names[row] for row in np.flatnonzero(command.status == _CUT)}
+        cut = {command.names[row] for row in np.flatnonzero(command.status == CUT)}
         self._cut = tuple(name for name in self._names if name in cut)
 
     def observe(self, vehicles: tuple[VehicleReport, ...], t: float) -> Observation:

@@ -65,11 +65,12 @@ class CommandStatus(IntEnum):
 
 
 TRACKED, LOST = int(TrackStatus.TRACKED), int(TrackStatus.LOST)
-PROMISE_BROKEN = int(SetpointStatus.PROMISE_BROKEN)
+SHIFTED, PROMISE_BROKEN = int(SetpointStatus.SHIFTED), int(SetpointStatus.PROMISE_BROKEN)
 VALID, STALE_SOURCE = int(InterferenceStatus.VALID), int(InterferenceStatus.STALE_SOURCE)
 NO_MODEL = int(InterferenceStatus.NO_MODEL)
 OK, SATURATED = int(CommandStatus.OK), int(CommandStatus.SATURATED)
 HOLD, LEVEL, LAND = int(CommandStatus.HOLD), int(CommandStatus.LEVEL), int(CommandStatus.LAND)
+CUT = int(CommandStatus.CUT)
 """The same as plain integers, for every tick: numpy takes 5 us to read an enumeration."""
 
 

@@ -50,10 +50,11 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import (
+    PROMISE_BROKEN,
+    SHIFTED,
     Array,
     Mask,
     Names,
-    SetpointStatus,
     Status,
     SwarmSetpoint,
     SwarmState,
@@ -88,8 +89,6 @@ from q2q_planner.online.safe.nonfinite_setpoints import (
 )
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
-
-_SHIFTED, _PROMISE_BROKEN = int(SetpointStatus.SHIFTED), int(SetpointStatus.PROMISE_BROKEN)
 
 
 class SafeReplanner:
@@ -244,7 +243,7 @@ def _marked(status: Status, pos: Array, reference: Array, on_reference: Mask, br
     for row in range(status.size):
         deviates |= broken[row] or not on_reference[row]
         if broken[row]:
-            status[row] = _PROMISE_BROKEN
+            status[row] = PROMISE_BROKEN
         elif distance(pos, reference, row) > SHIFT_TOLERANCE:
-            status[row] = _SHIFTED
+            status[row] = SHIFTED
     return deviates
