@@ -24,7 +24,7 @@ def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
     assert {str(run.document["room"]) for run in runs} == set(random_run.ROOMS)
     for run in runs:
         scenario = run.scenario
-        assert 1 <= len(scenario.faults) <= random_run.MOST
+        assert 1 <= len(scenario.faults) <= random_run.MOST_FAULTS
         assert all(fault.start <= scenario.duration - CALM_S for fault in scenario.faults)
 
 
