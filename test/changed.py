@@ -93,7 +93,7 @@ def fitting(files: Sequence[str], seconds: float) -> tuple[list[str], list[str]]
 
 def touched(files: Iterable[str]) -> list[str]:
     """Return the test files that changed files touch, nearest first."""
-    paths = [path for folder in TESTS for path in ROOT.glob(f"{folder}/test_*.py")]
+    paths = [path for folder in TESTS for path in ROOT.glob(f"{folder}/**/test_*.py")]
     tests = sorted(str(path.relative_to(ROOT)) for path in paths)
     modules = [name for name in map(module_of, files) if name]
     steps, namesakes = _steps_from(modules), {f"test_{name.rpartition('.')[2]}" for name in modules}
@@ -153,7 +153,8 @@ def _steps_from(modules: Iterable[str]) -> dict[str, float]:
 @cache
 def _sources_of(path: Path) -> frozenset[Path]:
     """Return a test file and the files of the tests' own that it imports, conftest.py too."""
-    found, waiting = {path}, [path, path.with_name("conftest.py")]
+    folders = [path.parent, *(one for one in path.parents if one.name == "test")]
+    found, waiting = {path}, [path, *(one / "conftest.py" for one in folders)]
     while waiting:
         here = waiting.pop()
         if not here.exists():
@@ -164,7 +165,8 @@ def _sources_of(path: Path) -> frozenset[Path]:
             for node in ast.walk(ast.parse(here.read_text(encoding="utf-8")))
             if isinstance(node, ast.ImportFrom)
         }
-        waiting += [one for name in names if (one := path.with_name(f"{name}.py")) not in found]
+        beside = [folder / f"{name}.py" for folder in folders for name in names]
+        waiting += [one for one in beside if one not in found]
     return frozenset(found)
 
 

@@ -1,6 +1,9 @@
 """Modules of the safety code that are mutated, and the tests that must notice."""
 
 from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,6 +16,12 @@ class MutatedModules:
     """Which tests are not run, in pytest's words: slow ones that others back up."""
     compiled: bool = False
     """Loops of other modules run compiled; the mutated ones call them, and are not called by them."""
+
+
+def tests_of(package: str, *names: str) -> tuple[str, ...]:
+    """Return the test files of these names in a package, by their paths in the repository."""
+    found = [next((ROOT / "src" / package / "test").rglob(f"test_{name}.py")) for name in names]
+    return tuple(str(one.relative_to(ROOT)) for one in found)
 
 
 MUTATED = (
@@ -33,23 +42,21 @@ MUTATED = (
                 "input_deadline",
             )
         ),
-        tuple(
-            f"src/q2q_control/test/test_{name}.py"
-            for name in (
-                "guard",
-                "guard_clock",
-                "guard_evasion",
-                "guard_without_ticks",
-                "input_deadline",
-                "stamp_delay",
-                "fallback_phases",
-                "elapsed_time",
-                "dead_reckoned_braking",
-                "dead_reckoning",
-                "climb_back",
-                "descent_evasion",
-                "evasion_end",
-            )
+        tests_of(
+            "q2q_control",
+            "guard",
+            "guard_clock",
+            "guard_evasion",
+            "guard_without_ticks",
+            "input_deadline",
+            "stamp_delay",
+            "fallback_phases",
+            "elapsed_time",
+            "dead_reckoned_braking",
+            "dead_reckoning",
+            "climb_back",
+            "descent_evasion",
+            "evasion_end",
         ),
         "not mpc",
     ),
@@ -70,19 +77,17 @@ MUTATED = (
                 )
             ),
         ),
-        tuple(
-            f"src/q2q_model/test/test_{name}.py"
-            for name in (
-                "clock_resets",
-                "tracking_gates",
-                "position_gates",
-                "position_tracks",
-                "attitude_tracks",
-                "mocap_filter",
-                "mocap_filter_combined_faults",
-                "mocap_names",
-                "mocap_stamps",
-            )
+        tests_of(
+            "q2q_model",
+            "clock_resets",
+            "tracking_gates",
+            "position_gates",
+            "position_tracks",
+            "attitude_tracks",
+            "mocap_filter",
+            "mocap_filter_combined_faults",
+            "mocap_names",
+            "mocap_stamps",
         ),
     ),
     MutatedModules(
@@ -102,17 +107,15 @@ MUTATED = (
                 "safe.choice.desired_motion",
             )
         ),
-        tuple(
-            f"src/q2q_planner/test/test_{name}.py"
-            for name in (
-                "committed_motion",
-                "traffic",
-                "safe_tick",
-                "safe_replanner",
-                "nonfinite_setpoints",
-                "jerk_limited_replanner",
-                "encounters",
-            )
+        tests_of(
+            "q2q_planner",
+            "committed_motion",
+            "traffic",
+            "safe_tick",
+            "safe_replanner",
+            "nonfinite_setpoints",
+            "jerk_limited_replanner",
+            "encounters",
         ),
         compiled=True,
     ),
@@ -120,7 +123,7 @@ MUTATED = (
         tuple(
             f"q2q_planner.online.safe.stopping.{name}" for name in ("jerk_limited", "jerk_limited_separation")
         ),
-        ("src/q2q_planner/test/test_jerk_limited.py",),
+        ("src/q2q_planner/test/online/test_jerk_limited.py",),
         "not compiled_and_plain",
     ),
 )
