@@ -20,9 +20,9 @@ from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.signals.values import Array, Interference, SwarmState
 
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data"))
 FLIGHTS = (
-    Path(__file__).parents[3] / "bags" / "table2_4",
+    Path(__file__).parents[4] / "bags" / "table2_4",
     DATA / "neural_swarm" / "dc21_randomwalk_sss_00.parquet",
 )
 NAMES = tuple(f"cf{k}" for k in range(6))

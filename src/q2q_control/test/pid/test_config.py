@@ -11,7 +11,7 @@ from q2q_control.pid.gains_file import load_gains, soft_altitude
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
-FOLDER = Path(__file__).parents[1] / "config"
+FOLDER = Path(__file__).parents[2] / "config"
 FILES = sorted(FOLDER.glob("pid_*.yaml"))
 
 

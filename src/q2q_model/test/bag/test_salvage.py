@@ -89,7 +89,7 @@ def test_a_bag_of_a_killed_recorder_is_read_up_to_the_last_second(tmp_path: Path
         "    bag.write_signal('/mocap', tick * 10_000_000, random_signal(MocapFrame, tick, ('cf1',), rng))\n"
         "print('written', flush=True); sys.stdin.read()\n"
     )
-    folder = str(Path(__file__).parent)
+    folder = str(Path(__file__).parents[1])
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     command, pipe = [sys.executable, "-c", program, str(tmp_path / "bag"), folder], subprocess.PIPE
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment) as recorder:

@@ -14,7 +14,7 @@ from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.signals.values import Array
 
 RATE = 100.0
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data"))
 seeds = st.integers(0, 2**32 - 1)
 
 

@@ -13,7 +13,7 @@ from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.flights.units_and_frames.up_axis import FLOOR, y_up_reason
 from q2q_model.signals.values import Array, MocapFrame
 
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data"))
 NEEDS_DATA = pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
 
 

@@ -16,7 +16,7 @@ from q2q_model.commands import evaluate, identify
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, MocapFrame
 
-BAGS = Path(__file__).resolve().parents[3] / "bags"
+BAGS = Path(__file__).resolve().parents[4] / "bags"
 NUMBERS = ("r2_exposed", "rmse_exposed_mps2", "mean_upper_mps2", "r2_ahead_20ms")
 needs_bags = pytest.mark.skipif(not BAGS.is_dir(), reason=f"no recorded flights in {BAGS}")
 POSE = "geometry_msgs/msg/PoseStamped"

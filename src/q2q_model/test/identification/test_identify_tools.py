@@ -18,7 +18,7 @@ from q2q_model.model_files.model_file import load, save
 from q2q_model.recordings.recordings_of_bags import bags_among, recordings_of_bags
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
-BAGS = Path(__file__).resolve().parents[3] / "bags"
+BAGS = Path(__file__).resolve().parents[4] / "bags"
 NUMBERS = ("r2_exposed", "rmse_exposed_mps2", "mean_upper_mps2", "r2_ahead_20ms")
 FLIGHTS = [BAGS / f"table2_{k}" for k in (1, 2, 5)]
 needs_bags = pytest.mark.skipif(not FLIGHTS[0].is_dir(), reason=f"no recorded flights in {BAGS}")

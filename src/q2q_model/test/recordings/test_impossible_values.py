@@ -13,7 +13,7 @@ from q2q_model.recordings.impossible_values import possible_flight, possible_log
 from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_model.signals.values import SwarmCommand
 
-BAG = Path(__file__).parents[3] / "bags" / "table2_1"
+BAG = Path(__file__).parents[4] / "bags" / "table2_1"
 
 
 def test_a_sound_flight_is_as_it_is() -> None:

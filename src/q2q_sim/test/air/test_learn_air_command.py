@@ -15,7 +15,7 @@ from q2q_sim.air.air_names import air_path
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.commands.learn_air import main
 
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4] / "shared" / "data")) / "neural_swarm"
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[5] / "shared" / "data")) / "neural_swarm"
 HOVERING = {"z": 0.6, "qw": 1.0, "thrust_cmd": 0.33, "thrust_est": 0.33, "vbat": 3.7}
 AT_REST = ("x", "y", "vx", "vy", "vz", "ax", "ay", "az", "qx", "qy", "qz", "wp", "wq", "wr", "faz_est")
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")

@@ -14,7 +14,7 @@ from q2q_sim.air.learning.recorded_air import FADE
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4] / "shared" / "data"))
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[5] / "shared" / "data"))
 ROOM = load(air_path("room"))
 MASS = 0.032
 """Of the logs' force [kg]."""

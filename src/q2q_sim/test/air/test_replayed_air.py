@@ -19,7 +19,7 @@ from q2q_sim.replay_page import in_air, replay_run
 from q2q_sim.replay_page.packed_run import packed_run
 from q2q_sim.replay_page.replay_run import DOWNWASH_RADIUS
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 T = 0.01 * np.arange(100, dtype=np.float64)
 GUST = np.array([0.3, 0.0, -0.5])
 

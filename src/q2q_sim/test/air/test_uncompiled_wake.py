@@ -163,7 +163,7 @@ def test_a_flight_records_the_whole_push_of_a_named_class() -> None:
 
 
 def test_the_wake_of_the_documentation_flies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (Path(__file__).parents[3] / "docs" / "airs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[4] / "docs" / "airs.md").read_text(encoding="utf-8")
     (tmp_path / "my_wake.py").write_text(page.split("```python\n")[1].split("```")[0])
     monkeypatch.chdir(tmp_path)
     scenario = replace(library.load("table6"), duration=0.1, air="my_wake:MyWake")

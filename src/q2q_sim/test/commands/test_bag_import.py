@@ -14,7 +14,7 @@ from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
 from q2q_sim.commands.bag_import import main
 
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data"))
 NEEDS_DATA = pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
 
 

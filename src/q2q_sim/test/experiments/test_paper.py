@@ -38,7 +38,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
 
 NUMBERS = paper_numbers()
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 
 
 def test_tables_3_to_7_and_figures_4_to_15_are_all_there():

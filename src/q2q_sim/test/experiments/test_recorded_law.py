@@ -21,7 +21,7 @@ from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, flying_
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.swarm import Swarm
 
-DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data"))
 NEEDS_DATA = pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
 DT = 0.01
 NAMES = ("cf1", "cf2")
@@ -152,7 +152,7 @@ def test_rates_that_references_lack_are_those_of_their_positions(recorded: Recor
 @pytest.fixture(scope="module")
 def recorded() -> Recording:
     """Return a recorded flight."""
-    return recording_of_bag(Path(__file__).parents[3] / "bags" / "table2_1")
+    return recording_of_bag(Path(__file__).parents[4] / "bags" / "table2_1")
 
 
 def jittered(recorded: Recording, size: float) -> Recording:

@@ -31,7 +31,7 @@ from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFli
 from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
 from q2q_sim.scenarios import library
 
-DOCS = Path(__file__).resolve().parents[3] / "docs"
+DOCS = Path(__file__).resolve().parents[4] / "docs"
 FLIGHTS = asked_flights(["ring", "bent"], 1, 5)
 
 

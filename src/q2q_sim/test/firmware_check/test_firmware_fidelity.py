@@ -12,7 +12,7 @@ from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable
 from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 from q2q_sim.tools.check_firmware import tables_in
 
-FOLDER = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data")) / "firmware"
+FOLDER = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data")) / "firmware"
 pytestmark = pytest.mark.skipif(
     not FOLDER.is_dir(), reason=f"tables of the real firmware are not at {FOLDER}: set Q2Q_DATA"
 )

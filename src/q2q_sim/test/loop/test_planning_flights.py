@@ -26,7 +26,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.scenarios import library
 
-BAGS = Path(__file__).parents[3] / "bags"
+BAGS = Path(__file__).parents[4] / "bags"
 SCENARIO = library.load("section4_1")
 
 

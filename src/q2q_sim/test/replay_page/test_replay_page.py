@@ -33,7 +33,7 @@ from q2q_sim.replay_page.script_archive import FOLDER
 from q2q_sim.scenarios import library
 from q2q_sim.tools.write_replay import measured_push
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from q2q_sim.commands import report
 from q2q_sim.report.bag_tables import as_json
 from q2q_sim.tools.report_bags import report_bag
 
-BAG = Path(__file__).resolve().parents[3] / "bags" / "table2_1"
+BAG = Path(__file__).resolve().parents[4] / "bags" / "table2_1"
 
 
 @pytest.mark.skipif(not BAG.is_dir(), reason=f"no recorded flight {BAG}")

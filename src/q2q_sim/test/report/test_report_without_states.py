@@ -12,7 +12,7 @@ from q2q_sim.monitors.mocap_quality import mocap_quality
 from q2q_sim.report.bag_tables import Reported, limit_rows
 from q2q_sim.tools.report_bags import report_bag
 
-BAG = Path(__file__).resolve().parents[3] / "bags" / "table2_1"
+BAG = Path(__file__).resolve().parents[4] / "bags" / "table2_1"
 SECONDS = 6.0
 
 
