@@ -14,6 +14,9 @@ from q2q_model.signals.values import Array, Mask, MocapFrame, Names, SetpointSta
 
 SEEN_AT_REST = 2.0
 """Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
+LONGEST_TICK = 0.1
+"""Longest time between two measured positions that counts [s]: what is measured far away after a gap is an
+outlier until it is confirmed."""
 
 
 class MeasuredPoses:
@@ -76,12 +79,16 @@ class RestingReference:
     def reset(self) -> None:
         """Rest where vehicles are measured next; until a second measurement confirms it, at each one."""
         n = len(self._names)
-        self.speed = np.inf
-        """Largest distance of a measured position from the reference, over the tick [m/s]; infinite while a
-        vehicle's place is not confirmed."""
-        self._t = np.nan
-        self._seen = self._rest = np.full((n, 4), np.nan)
+        self.speed = 0.0
+        """Largest distance of a measured position from the reference, over the tick [m/s]."""
+        self._t = np.full(n, np.nan)
+        self._seen, self._rest = np.full((2, n, 4), np.nan)
         self._confirmed = np.zeros(n, dtype=np.bool_)
+
+    @property
+    def unconfirmed(self) -> Names:
+        """Return the vehicles that have not been measured at rest in two frames."""
+        return tuple(name for name, known in zip(self._names, self._confirmed, strict=True) if not known)
 
     def update(self, poses: Array, measured: Mask, t: float, *, is_late: bool) -> SwarmSetpoint:
         """Return the reference of stamp t [s] at last measured poses (n, 4); a late frame does not move it.
@@ -91,7 +98,7 @@ class RestingReference:
         taken = np.isnan(self._rest[:, 0])
         if not is_late:
             taken |= self._believed(poses, measured, t - self._t)
-            self._seen, self._t = np.where(measured[:, None], poses, self._seen), t
+            self._seen[measured], self._t[measured] = poses[measured], t
         self._rest = np.where(taken[:, None], poses, self._rest)
         n = len(self._names)
         return SwarmSetpoint(
@@ -105,17 +112,18 @@ class RestingReference:
             status=np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8),
         )
 
-    def _believed(self, poses: Array, measured: Mask, tick: float) -> Mask:
-        """Return whose measured positions are no outliers, `tick` [s] after the last ones, (n,)."""
-        unconfirmed = measured & ~self._confirmed
-        if not tick > 0.0:  # the first frame, or a clock that was set back
-            return unconfirmed
-        off, moved = (_distances(poses, one)[measured] / tick for one in (self._rest, self._seen))
+    def _believed(self, poses: Array, measured: Mask, tick: Array) -> Mask:
+        """Return whose measured positions are no outliers, `tick` [s] after the last ones of each, (n,)."""
+        believed = measured & ~self._confirmed
+        later = measured & (tick > 0.0)  # not a vehicle's first frame, or of a clock that was set back
+        if not later.any():
+            return believed
+        counted = np.minimum(tick[later], LONGEST_TICK)
+        off, moved = (_distances(poses, one)[later] / counted for one in (self._rest, self._seen))
         again = moved <= SEEN_AT_REST
-        self._confirmed[measured] |= again
-        self.speed = float(np.nanmax(off, initial=0.0)) if self._confirmed.all() else np.inf
-        believed = unconfirmed
-        believed[measured] |= (off <= SEEN_AT_REST) | again
+        self._confirmed[later] |= again
+        self.speed = float(off.max())
+        believed[later] |= (off <= SEEN_AT_REST) | again
         return believed
 
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.counted import listed
 from q2q_model.node.reply import Reply
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.repeated_stamp import StampOrder
@@ -189,8 +190,8 @@ class PlanPlayer:
         if max(speed[row], turn[row]) > AT_REST:
             state = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s and {turn[row]:.2f} rad/s"
             return Reply(granted=False, reason=f"{state}: hold first")
-        if self.played is None and self._resting.speed == np.inf:
-            state = "the vehicles have not been measured at rest in two frames yet"
+        if self.played is None and self._resting.unconfirmed:
+            state = f"{listed(self._resting.unconfirmed)} has not been measured at rest in two frames yet"
             return Reply(granted=False, reason=f"{state}: call again")
         if self.played is None and self._resting.speed > SEEN_AT_REST:
             state = f"a measured position has moved at {self._resting.speed:.1f} m/s"

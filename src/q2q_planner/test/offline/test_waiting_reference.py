@@ -94,6 +94,36 @@ def test_no_glide_begins_where_a_vehicle_was_measured_once_only() -> None:
     assert player.glide().granted
 
 
+def test_frames_of_single_vehicles_one_shortly_after_the_other_show_no_outliers() -> None:
+    """The motion since a vehicle's own last frame was divided by the 1 ms since the other vehicle's."""
+    player, carried = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True), GROUND.copy()
+    player.update(frame(-STEP, GROUND))
+    for k in range(100):
+        for row in range(2):
+            carried[row, 0] += 0.2 * STEP  # at 0.2 m/s
+            one = partial(STEP * k + 0.001 * row, NAMES[row : row + 1], carried[row : row + 1])
+            np.testing.assert_array_equal(player.update(one).pos, carried)
+    assert player.glide().granted
+
+
+def test_the_vehicle_that_has_not_been_measured_twice_is_named() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    player.update(frame(0.0, GROUND))
+    player.update(partial(STEP, NAMES[:1], GROUND[:1]))
+    assert player.glide().reason == "cf2 has not been measured at rest in two frames yet: call again"
+
+
+def test_an_outlier_after_a_gap_of_its_vehicle_is_not_followed() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    for k in range(10):
+        player.update(frame(STEP * k, GROUND))
+    for k in range(10, 500):
+        player.update(partial(STEP * k, NAMES[1:], GROUND[1:]))
+    wrong = frame(5.0, GROUND + np.array([OUTLIER, np.zeros(3)]))
+    np.testing.assert_array_equal(player.update(wrong).pos, GROUND)
+    np.testing.assert_array_equal(player.update(frame(5.0 + STEP, GROUND)).pos, GROUND)
+
+
 def test_the_reference_follows_a_clock_that_is_set_back() -> None:
     room = PlayedRoom()
     room.tick(0.1)
