@@ -81,9 +81,12 @@ def test_what_is_nan_throughout_a_table_was_not_recorded_and_what_is_nan_at_time
     assert found(rates) == set()
     assert "tilt" in policies_without_evidence(trace_of(table))
     assert found(changed(SwarmState, 0.5, 9.0, ang_vel_body=lambda rate: rate * np.nan)) == {"numbers"}
-    assert found(changed(SwarmState, -1.0, 9.0, ang_vel_body=with_row(1, np.nan))) == {"numbers"}
+    assert found(changed(SwarmState, 0.5, 9.0, ang_vel_body=with_row(1, np.nan))) == {"numbers"}
     for kind, column in ((SwarmCommand, "thrust"), (SwarmState, "vel"), (SwarmSetpoint, "pos")):
         assert "numbers" not in found(changed(kind, -1.0, 9.0, **{column: lambda values: values * np.nan}))
+        for since, count in ((-1.0, 0), (0.5, 1)):
+            of_one = changed(kind, since, 9.0, **{column: with_row(1, np.nan)})
+            assert len(trace_of(map(of_one, table)).not_finite) == count
     assert "numbers" in found(changed(SwarmCommand, -1.0, 9.0, thrust=lambda thrust: thrust + np.inf))
 
 

@@ -1,16 +1,15 @@
 """Numbers of a flight that are not finite, apart from those that its table lacks.
 
 A table that bag_import made a bag of has no yaw rate, for one: it is NaN throughout, and so may be all that
-was not logged. A node that sends NaN throughout is broken.
+was not logged of a vehicle. A node that sends NaN throughout is broken.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.flights.tables.table_signals import LACKED
-from q2q_model.signals.values import Array, MocapFrame
+from q2q_model.signals.values import Array, Mask, MocapFrame
 from q2q_sim.monitors.policies.inputs.signal_tables import Topic
 
 _OF_TABLES = frozenset({"mocap", "state", "reference", "command", "imu"})
@@ -48,7 +47,7 @@ def _is_nan(topic: Topic, attribute: str) -> bool:
 
 
 def _first(name: str, topic: Topic, *, tabular: bool) -> str:
-    """Return the first value that is not finite; attributes of a table may be NaN throughout."""
+    """Return the first value that is not finite; columns of a table may be NaN throughout."""
     signals = topic.signals
     if not signals or isinstance(signals[0], MocapFrame):
         return ""
@@ -56,14 +55,26 @@ def _first(name: str, topic: Topic, *, tabular: bool) -> str:
         one = getattr(signals[0], attribute)
         if not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
-        if tabular and _is_nan(topic, attribute):
-            continue
-        refused = _REFUSED.get(attribute, _not_finite)
-        if any(refused(values).any() for values in topic.values(attribute).values()):
-            first = next(signal for signal in signals if refused(getattr(signal, attribute)).any())
-            return f"{name} at {first.t:.3f} s: {attribute} is not finite"
+        places = [
+            topic.by_names[names][int(wrong.argmax())]
+            for names, values in topic.values(attribute).items()
+            if (wrong := _wrong_rows(attribute, values, tabular=tabular)).any()
+        ]
+        if places:
+            return f"{name} at {signals[min(places)].t:.3f} s: {attribute} is not finite"
     return ""
 
 
-def _not_finite(values: Array) -> NDArray[np.bool_]:
+def _wrong_rows(attribute: str, values: Array, *, tabular: bool) -> Mask:
+    """Return which signals have a value that is not finite, (k,), of an attribute (k, n, ...).
+
+    Of a table, what is NaN throughout for a vehicle is a column that it lacks.
+    """
+    wrong = _REFUSED.get(attribute, _not_finite)(values)
+    if tabular:
+        wrong &= ~np.isnan(values).all(axis=0)
+    return np.asarray(wrong.reshape(len(wrong), -1).any(axis=1))
+
+
+def _not_finite(values: Array) -> Mask:
     return ~np.isfinite(values)
