@@ -21,7 +21,10 @@ def resample(t: Array, values: Array, at: Array) -> Array:
 
 
 def nearest_samples(t: Array, at: Array) -> Rows:
-    """Return the row of rising times t (m,) nearest to each of `at` (k,), (k,); the earlier of a tie."""
+    """Return, for each time of `at` (k,), the row of the nearest of rising times t (m,).
+
+    Of two that are equally near, it is the earlier.
+    """
     right = np.clip(np.searchsorted(t, at), 0, len(t) - 1)
     left = np.clip(right - 1, 0, None)
     return np.where(np.abs(t[left] - at) <= np.abs(t[right] - at), left, right)

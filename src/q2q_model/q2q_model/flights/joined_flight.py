@@ -81,7 +81,7 @@ def _ticks(present: Mapping[str, Sequence[SignalRows]]) -> tuple[str, Array]:
 
 
 def check_clock(topic: str, stamps: Array) -> None:
-    """Raise ValueError if STALLED messages or more have one stamp, of `stamps` (m,) [s]."""
+    """Raise ValueError if all of STALLED or more stamps (m,) [s] are the same."""
     if len(stamps) >= STALLED and stamps.min() == stamps.max():
         raise ValueError(
             f"all {len(stamps)} messages on {topic} are stamped {stamps[0]:g} s: stamp each with its time of "

@@ -52,7 +52,7 @@ class FlightProgress:
 
 
 def check_one_writer(writers: Collection[str]) -> None:
-    """Raise ValueError if more than one node that is there writes summaries."""
+    """Raise ValueError if more than one living node writes summaries."""
     found = sorted(name for name in writers if name != DEAD)
     if len(found) > 1:
         raise ValueError(

@@ -13,7 +13,7 @@ from q2q_sim.licence.rules.broken_rule import BrokenRule, first_tick
 from q2q_sim.licence.rules.licence_limits import LicenceLimits
 
 LEVEL_SHARE = 0.1
-"""Share of a flight from which a vehicle may not be levelled out [-]."""
+"""Share of its flight for which a vehicle is levelled out that breaks the rule [-]."""
 
 
 def setpoints_rule(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
