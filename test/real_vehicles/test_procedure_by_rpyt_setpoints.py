@@ -31,6 +31,14 @@ def test_a_plan_is_flown_twice_by_rpyt_setpoints(monkeypatch: pytest.MonkeyPatch
         assert said_in_order(room) == COMMANDS_ORDER
 
 
+def test_rpyt_setpoints_are_refused_where_mellingers_controller_would_fly_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    room, _ = by_bridge(monkeypatch, SHORT, mode="command")
+    room.wait(1.5)
+    assert "cf1: its stabilizer.controller is 2, expected 1" in room.call("take_off").reason
+
+
 @pytest.mark.parametrize("mode", ["setpoint", "command"])
 def test_after_arming_another_client_of_the_server_can_take_off(
     monkeypatch: pytest.MonkeyPatch, mode: str

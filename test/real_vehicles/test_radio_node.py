@@ -240,7 +240,7 @@ def test_parameters_of_the_node_are_checked() -> None:
         "stabilizer.controller": 2.0, "locSrv.extPosStdDev": 1e-3,
     }  # fmt: skip
     assert firmware_params(("locSrv.extPosStdDev=1e-3",), "command", poses=True) == {
-        **POSE_STD, "locSrv.extPosStdDev": 1e-3,
+        **POSE_STD, "stabilizer.controller": 1.0, "locSrv.extPosStdDev": 1e-3,
     }  # fmt: skip
     of_file = {
         "stabilizer.controller": 1.0,
@@ -251,20 +251,34 @@ def test_parameters_of_the_node_are_checked() -> None:
     assert firmware_params(("ctrlMel.mass=0.05",), "setpoint", poses=True, of_file=of_file) == {
         **POSE_STD, **of_file, "stabilizer.controller": 2.0, "ctrlMel.mass": 0.05,
     }  # fmt: skip
-    without = {name: value for name, value in of_file.items() if name != "stabilizer.controller"}
-    assert firmware_params((), "command", of_file=of_file) == without  # attitudes are for the PID's loop
-    own = firmware_params(("stabilizer.controller=2",), "command", of_file=of_file)
-    assert own == without | {"stabilizer.controller": 2.0}
-    assert left_out_lines({"cf1": of_file, "cf2": {}}, "setpoint") == []
-    (left_out,) = left_out_lines({"cf1": of_file, "cf2": {}}, "command")
-    assert left_out.startswith(
-        "stabilizer.controller of crazyflies is left out (1 of cf1): with mode:=command"
-    )
+    mellingers = of_file | {"stabilizer.controller": 2.0}
+    assert firmware_params((), "command", of_file=mellingers) == of_file  # attitudes are for the PID's loop
+    assert firmware_params(("stabilizer.controller=2",), "command", of_file=of_file) == mellingers
     assert settings_lines({"cf1": {"a.b": 4294967295.0, "c.d": 1e-3}}) == [
         "firmware_params of cf1: a.b=4294967295, c.d=0.001"
     ]
     with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
         firmware_params(("nonsense",), "command")
+
+
+@pytest.mark.parametrize(
+    ("entries", "mode", "said"),
+    [
+        ((), "command", "is left out (2 of cf2, 6 of cf3): 1 is set, by the mode"),
+        ((), "setpoint", "is left out (1 of cf1): 2 is set"),  # 6 is the firmware app's
+        (("stabilizer.controller=5",), "command", "is left out (1 of cf1, 2 of cf2, 6 of cf3): 5 is set"),
+    ],
+)
+def test_a_controller_of_the_file_that_is_not_set_is_logged(
+    entries: tuple[str, ...], mode: str, said: str
+) -> None:
+    files = {f"cf{k + 1}": {"stabilizer.controller": value} for k, value in enumerate((1.0, 2.0, 6.0))}
+    files["cf4"] = {}
+    params = {name: firmware_params(entries, mode, of_file=one) for name, one in files.items()}
+    (line,) = left_out_lines(files, params)
+    assert line.startswith(f"stabilizer.controller of crazyflies {said}")
+    named = {"cf1": files["cf1"]}
+    assert left_out_lines(named, {"cf1": firmware_params((), "command", of_file=named["cf1"])}) == []
 
 
 def test_a_parameter_that_a_vehicle_does_not_hold_is_named_with_both_values() -> None:

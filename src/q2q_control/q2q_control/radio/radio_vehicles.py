@@ -53,7 +53,7 @@ class RadioVehicles:
         }
         """Parameters that are set on each vehicle once it is connected."""
         of_files = {one.name: one.firmware_params for one in crazyflies}
-        self.settings = settings_lines(self.firmware_params) + left_out_lines(of_files, params.mode)
+        self.settings = settings_lines(self.firmware_params) + left_out_lines(of_files, self.firmware_params)
         """Lines for the log on these parameters."""
         self.links = _open_links(crazyflies, self.firmware_params, params.toc_cache)
         hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None

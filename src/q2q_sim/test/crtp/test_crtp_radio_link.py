@@ -70,15 +70,20 @@ def test_what_a_vehicle_can_be_given_is_not_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "app", "required"),
-    [((), True, 6.0), ((), False, 2.0), (("stabilizer.controller=5",), True, 5.0)],
+    ("asked", "mode", "app", "required"),
+    [
+        ((), "setpoint", True, 6.0),
+        ((), "setpoint", False, 2.0),
+        (("stabilizer.controller=5",), "setpoint", True, 5.0),
+        ((), "command", True, 1.0),
+        ((), "command", False, 1.0),
+    ],
 )
-def test_where_the_firmware_app_is_its_controller_is_required(
-    asked: tuple[str, ...], app: bool, required: float
+def test_where_the_firmware_app_is_its_controller_is_required_for_full_states(
+    asked: tuple[str, ...], mode: str, app: bool, required: float
 ) -> None:
     known = {*TABLE, APP} if app else TABLE
-    assert required_with_app(firmware_params(asked, "setpoint"), known) == {CONTROLLER: required}
-    assert required_with_app(firmware_params((), "command"), known) == {}
+    assert required_with_app(firmware_params(asked, mode), known) == {CONTROLLER: required}
 
 
 @dataclass(frozen=True)
@@ -137,6 +142,17 @@ def test_the_controller_is_left_to_the_firmware_app_and_it_is_checked_that_it_is
     settings.apply()
     assert sorted(vehicle.sent) == sent
     assert (settings.refusal(), settings.difference()) == ("", wrong)
+
+
+@pytest.mark.parametrize("app", [False, True])
+def test_attitudes_are_flown_by_the_pid_though_full_states_were_flown_by_another_before(app: bool) -> None:
+    """Mellinger's, set by a session with full states, stayed on: nothing set or checked the controller."""
+    vehicle = Held(6.0 if app else 1.0, TABLE | ({APP: TableEntry("<B", writable=True)} if app else {}))
+    FirmwareSettings(vehicle, firmware_params((), "setpoint")).apply()
+    assert vehicle.values[CONTROLLER] == (6.0 if app else 2.0)
+    settings = FirmwareSettings(vehicle, firmware_params((), "command"))
+    settings.apply()
+    assert (vehicle.values[CONTROLLER], settings.difference()) == (1.0, "")
 
 
 def test_without_a_radio_a_link_reports_the_reason_in_one_line(

@@ -8,9 +8,11 @@ from difflib import get_close_matches
 from math import isclose, nan
 
 CONTROLLER = "stabilizer.controller"
-MELLINGER, OUT_OF_TREE = 2.0, 6.0
-"""Its values whose controllers use the acceleration of full states: Mellinger's, and that of the firmware app
-(docs/onboard.md), which corrects the setpoint and lets Mellinger's fly it; 2 would switch the app off."""
+PID, MELLINGER, OUT_OF_TREE = 1.0, 2.0, 6.0
+"""Its values. Mellinger's controller uses the acceleration of full states, and so does that of the firmware
+app (docs/onboard.md), which corrects the setpoint and lets Mellinger's fly it; 2 would switch the app off."""
+FLOWN_BY = {"setpoint": MELLINGER, "command": PID}
+"""Controller for what is sent. Commands are computed for the attitude loop of the PID."""
 APP = "q2q.enabled"
 """Parameter of vehicles with the firmware app."""
 POSE_STD = {"locSrv.extPosStdDev": 0.001, "locSrv.extQuatStdDev": 0.05}
@@ -27,16 +29,13 @@ def firmware_params(
 ) -> dict[str, float]:
     """Return the parameters to set on a vehicle.
 
-    Each overrides those before it: POSE_STD where poses are sent, those of the file of vehicles without its
-    controller, Mellinger's controller for full states, `entries`.
+    Each overrides those before it: POSE_STD where poses are sent, those of the file of vehicles, the
+    controller for what is sent, `entries`.
 
     Raises:
         ValueError: an entry is not `group.name=value`.
     """
-    controller = {CONTROLLER: MELLINGER} if mode == "setpoint" else {}
-    params = {**(POSE_STD if poses else {}), **(of_file or {})}
-    params.pop(CONTROLLER, None)
-    params |= controller
+    params = {**(POSE_STD if poses else {}), **(of_file or {}), CONTROLLER: FLOWN_BY[mode]}
     for entry in entries:
         name, _, value = entry.partition("=")
         expected = f"firmware_params: {entry!r}: group.name=value is expected"
@@ -57,16 +56,19 @@ def settings_lines(by_vehicle: Mapping[str, Mapping[str, float]]) -> list[str]:
     return [f"firmware_params of {', '.join(names)}: {text}" for text, names in vehicles.items() if text]
 
 
-def left_out_lines(of_files: Mapping[str, Mapping[str, float]], mode: str) -> list[str]:
-    """Return whose controller of the file of vehicles is left out where attitudes are sent, and why."""
-    named = [
-        f"{_text(params[CONTROLLER])} of {name}" for name, params in of_files.items() if CONTROLLER in params
-    ]
-    if mode == "setpoint" or not named:
-        return []
-    left_out = f"{CONTROLLER} of crazyflies is left out ({', '.join(named)})"
-    why = "with mode:=command the constants are those of the PID's attitude loop"
-    return [f"{left_out}: {why}; if you mean it, set it in the parameter firmware_params"]
+def left_out_lines(
+    of_files: Mapping[str, Mapping[str, float]], by_vehicle: Mapping[str, Mapping[str, float]]
+) -> list[str]:
+    """Return whose controller of the file of vehicles is left out because another one is set."""
+    vehicles: defaultdict[float, list[str]] = defaultdict(list)
+    for name, of_file in of_files.items():
+        flown_by = by_vehicle[name][CONTROLLER]
+        same = {flown_by, required_with_app({CONTROLLER: flown_by}, {APP})[CONTROLLER]}
+        if of_file.get(CONTROLLER, flown_by) not in same:
+            vehicles[flown_by].append(f"{_text(of_file[CONTROLLER])} of {name}")
+    left_out = f"{CONTROLLER} of crazyflies is left out"
+    why = "by the mode, or by the parameter firmware_params, which overrides both"
+    return [f"{left_out} ({', '.join(some)}): {_text(one)} is set, {why}" for one, some in vehicles.items()]
 
 
 def _text(value: float) -> str:
