@@ -24,6 +24,7 @@ WELL = VehicleReport(
 )
 STEP = 0.02
 PARAMS = FlightProcedureParams(ground_height=GROUND, room=ROOM)
+LANDING = LandingParams()
 
 
 def up(metres: float) -> Array:
@@ -40,6 +41,7 @@ class Bench:
     """Vehicles that do at once what they are told, unless `stuck`, and the procedure that tells them."""
 
     params: FlightProcedureParams = PARAMS
+    landing: LandingParams = LANDING
     t: float = 100.0
     pos: Array = field(default_factory=HOME.copy)
     vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
@@ -62,7 +64,7 @@ class Bench:
 
     def __post_init__(self) -> None:
         """Begin with vehicles on the ground, and a tick."""
-        self.procedure = FlightProcedure(self.params, LandingParams())
+        self.procedure = FlightProcedure(self.params, self.landing)
         self.wait(STEP)
 
     def observe(self) -> Observation:

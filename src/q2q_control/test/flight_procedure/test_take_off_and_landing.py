@@ -71,7 +71,7 @@ def test_vehicles_that_do_not_arm_are_disarmed_again_and_named() -> None:
 
 def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is() -> None:
     bench = Bench(stuck={Act.TAKE_OFF})
-    answer = bench.asked(Call.TAKE_OFF, 9.0)
+    answer = bench.asked(Call.TAKE_OFF, 11.0)
     assert "take-off failed: cf1 is at -0.80 m, 0.50 m from where it should be; landing" in answer.reason
     assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
@@ -176,7 +176,7 @@ def test_vehicles_that_land_by_themselves_are_watched_to_the_ground() -> None:
     bench.wait(STEP)
     assert bench.procedure.step is Step.LANDING
     bench.move(HOME)
-    bench.wait(2.0)
+    bench.wait(4.0)
     assert bench.acts == [Act.DISARM]
     assert "step landing: by themselves" in bench.log
 

@@ -1,5 +1,7 @@
 """Flight in progress: what its calls, the outcomes of its orders and the ends of its steps share."""
 
+from math import inf
+
 import numpy as np
 
 from q2q_control.flight_procedure.checks.flight_checks import apart_refusal
@@ -29,6 +31,8 @@ class ActiveFlight:
         """Where the vehicles stood when their take-off began [m], world, (n, 3)."""
         self.down: set[str] = set()
         """Vehicles seen locked or offline since an emergency: the others were not cut yet."""
+        self.landing_end = -inf
+        """Time at which the duration of the landing under way has passed [s]."""
 
     def order(self, act: Act, observation: Observation) -> Order:
         """Return the order of an act."""

@@ -17,6 +17,8 @@ def conclude(
     flight.state.waiting = None
     if order.act is Act.DISARM:
         _on_the_ground(flight, observation, outcome, t)
+    elif outcome.granted and order.act is Act.LAND:
+        flight.landing_end = t + order.duration
     elif outcome.granted:
         _succeed(flight, order.act, observation, outcome.reason, t)
     else:

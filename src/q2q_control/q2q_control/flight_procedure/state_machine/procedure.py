@@ -10,7 +10,7 @@
 | take-off | onboard climb to take_off_height | all are there and at rest |
 | glide | streamed setpoints on a certified plan to the plan's first points | all are there |
 | flight | the plan's clock runs | the plan ends, or `hold` brakes along it: hold |
-| landing | stream stopped, then onboard landing | all are at rest on the ground, by motion capture |
+| landing | stream stopped, then onboard landing | its duration is over, all measured at rest on the ground |
 | disarming | vehicles disarm | all are disarmed, or their build arms itself |
 | stopped | after `emergency` | all vehicles were locked or offline, then restarted |
 
@@ -168,3 +168,5 @@ class FlightProcedure:
         why = f"motors of {listed(cut)} stopped" if cut else "by themselves"
         self.state.answer(granted=False, reason=f"no vehicle flies setpoints: landing, {why}")
         self.state.enter(Step.LANDING, t, why)
+        lands = len(cut) < len(observation.vehicles)
+        self._flight.landing_end = t + self._flight.order(Act.LAND, observation).duration if lands else t

@@ -93,12 +93,12 @@ def _hold(flight: ActiveFlight, observation: Observation, t: float) -> None:
 def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
     off = state.arrival.update(observation, on_the_ground(observation, params), t)
-    duration = flight.order(Act.LAND, observation).duration
+    over = t - flight.landing_end
     to_rest = params.step_timeout_s if state.arrival.there else 0.0
-    if not off:
+    if not off and over >= 0.0:  # slow landings look like rest before their end
         state.enter(Step.DISARMING, t)
         flight.give(Act.DISARM, observation, t)
-    elif state.pending is Call.LAND and state.late(duration + to_rest, t):
+    elif state.pending is Call.LAND and over > params.step_timeout_s + to_rest:
         reason = f"not on the ground: {off}; call land again, or emergency"
         state.answer(granted=False, reason=reason)
 
