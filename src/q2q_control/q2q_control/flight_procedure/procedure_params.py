@@ -52,7 +52,12 @@ class FlightProcedureParams:
     )
     ground_height: float = tunable(0.0, "height of a vehicle on the ground", unit="m", low=-5.0, high=5.0)
     near_ground: float = tunable(
-        0.1, "height below which a vehicle at rest is on the ground", unit="m", low=0.01, high=0.5
+        0.1,
+        "height below which a vehicle at rest is on the ground; at least six times the noise of motion "
+        "capture",
+        unit="m",
+        low=0.03,
+        high=0.5,
     )
     still_speed: float = tunable(
         0.1,

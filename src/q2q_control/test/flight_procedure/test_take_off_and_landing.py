@@ -9,7 +9,6 @@ from procedure_bench import END, FIRST, GROUND, HOME, PLAN, STEP, WELL, Bench, a
 
 from q2q_control.flight_procedure.checks.arrival import heights_text
 from q2q_control.flight_procedure.observation import VehicleReport
-from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 
@@ -221,39 +220,6 @@ def test_after_an_emergency_each_vehicle_must_have_been_locked_or_offline() -> N
     bench.wait(bench.params.settle_s + 0.1)
     assert bench.procedure.step is Step.CONNECTED
     assert "step connected: vehicles were restarted" in bench.log
-
-
-def test_a_room_without_an_inside_is_refused() -> None:
-    with pytest.raises(ValueError, match="lowest x, y, z and highest x, y, z"):
-        FlightProcedureParams(room=(0.0, 0.0, 0.0, 1.0, 1.0, 0.0))
-
-
-@pytest.mark.parametrize("wall", range(6))
-def test_a_room_beyond_the_setpoints_that_vehicles_receive_is_refused(wall: int) -> None:
-    """Clipped to their range, setpoints of two vehicles would be the same."""
-    room = [-32.767, -32.767, -32.767, 32.767, 32.767, 32.767]
-    FlightProcedureParams(room=tuple(room))
-    room[wall] *= 1.001
-    with pytest.raises(ValueError, match=r"room = .*: setpoints reach up to 32\.767 m .* move the origin"):
-        FlightProcedureParams(room=tuple(room))
-
-
-def test_a_take_off_through_the_ceiling_is_refused() -> None:
-    low = (-3.0, -3.0, 0.0, 3.0, 3.0, 1.5)
-    FlightProcedureParams(room=low, take_off_height=1.2, ground_height=0.3)
-    with pytest.raises(ValueError, match=r"take_off_height = 1\.25: up to 1\.2 m is allowed"):
-        FlightProcedureParams(room=low, take_off_height=1.25, ground_height=0.3)
-
-
-@pytest.mark.parametrize(("ceiling", "ground_height"), [(0.6, -0.3), (0.7, 0.2), (1.2, 0.1)])
-def test_a_take_off_up_to_the_ceiling_is_allowed_whatever_the_rounding(
-    ceiling: float, ground_height: float
-) -> None:
-    room, height = (-3.0, -3.0, -2.0, 3.0, 3.0, ceiling), round(ceiling - ground_height, 1)
-    assert (
-        FlightProcedureParams(room=room, take_off_height=height, ground_height=ground_height).take_off_height
-        == height
-    )
 
 
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
