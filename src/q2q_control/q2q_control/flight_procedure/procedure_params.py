@@ -107,12 +107,15 @@ class FlightProcedureParams:
     )
 
     def __post_init__(self) -> None:
-        """Check the bounds, the room, and that a take-off stays below its ceiling.
+        """Check the bounds, the time to rest, the room, and that a take-off stays below its ceiling.
 
         Raises:
             ValueError: naming the value and what is allowed.
         """
         check_bounds(self)
+        if self.settle_s >= self.step_timeout_s:
+            allowed = f"less than step_timeout_s = {self.step_timeout_s:g} s is allowed"
+            raise ValueError(f"settle_s = {self.settle_s:g}: {allowed}, or no glide is completed in time")
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
             raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
         if max(abs(wall) for wall in self.room) > FULL_STATE_RANGE:
