@@ -2,7 +2,8 @@
 
 A vehicle in the air rests once it has been slower than 2.5 still_speed, and within still_speed * settle_s of
 one place, for settle_s. One that swings is slow and stays at one place where it turns, but not for 1 s if it
-swings about its point and reaches 0.3 m/s. On the ground positions alone count: nothing swings there.
+swings about its point and reaches 0.3 m/s. On the ground one rests once it has been within GROUND_EXTENT
+of one place for settle_s, at any speed; a landing ends when all rest and its duration has passed.
 
 In the air of a room, vehicles that hold their places move at 0.08 m/s (median): two are soon both below
 0.1 m/s for 0.5 s, seven never are. Each is therefore judged by itself, and remains at rest until it leaves
@@ -117,7 +118,7 @@ def _over_the_ground(pos: Array, params: FlightProcedureParams, height: float) -
 def setpoints_rest(
     observation: Observation, params: FlightProcedureParams, points: Array | None = None
 ) -> bool:
-    """Return whether setpoints are 100 times slower than a vehicle at rest, and at `points` (n, 3) [m]."""
+    """Return whether setpoints are slower than 0.01 still_speed, and at `points` (n, 3) [m]."""
     still = np.linalg.norm(observation.setpoint_vel, axis=1) < 0.01 * params.still_speed
     if points is None:
         return bool(still.all())
