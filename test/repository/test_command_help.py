@@ -137,7 +137,7 @@ OF_NODES = {"node_command_line", "node_start"}
 def test_every_tool_is_held_to_this():
     found = {
         f"{path.parts[-3]}.commands.{path.stem}"
-        for path in (ROOT / "src").glob("*/*/*/*.py")
+        for path in (ROOT / "src").glob("*/q2q*/*/*.py")
         if "CommandLine(" in path.read_text(encoding="utf-8") and path.stem not in {"command_line", *OF_NODES}
     }
     assert found | {"bench"} == set(TOOLS)

@@ -19,6 +19,12 @@ from q2q_sim.scenarios import library
 HERE = "test_uncompiled_wake"
 
 
+@pytest.fixture(autouse=True)
+def _importable(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let this module be imported by its name, as a user's is from the folder of a program."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+
+
 class SideWind:
     """Constant push, which remembers what it was told."""
 
