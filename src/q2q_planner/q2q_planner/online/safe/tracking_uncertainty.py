@@ -16,7 +16,7 @@ from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion
 from q2q_planner.online.safe.motion.followed_reference import SNAP_POS, SNAP_VEL
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.motion.vectors import length
+from q2q_planner.online.safe.motion.vectors import norm
 
 
 class _Tube(NamedTuple):
@@ -75,7 +75,7 @@ def _off(committed: Array, pos: Array, vel: Array, ages: Array, tube: _Tube) -> 
             aside, above = np.hypot(error[0], error[1]), abs(error[2])
             off[row] = aside > tube.tracking + since or above > tube.tracking_z + since
         else:
-            off[row] = length(error[0], error[1], error[2]) > tube.tracking + since
+            off[row] = norm(error) > tube.tracking + since
     return off
 
 

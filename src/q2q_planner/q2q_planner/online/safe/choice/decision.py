@@ -10,7 +10,7 @@ from q2q_planner.online.safe.choice.desired_motion import AS_ASKED, DesiredMotio
 from q2q_planner.online.safe.choice.motion_choice import OLD, Choices
 from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.motion.vectors import length
+from q2q_planner.online.safe.motion.vectors import norm
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 
 
@@ -75,7 +75,7 @@ def _decision(rows: MotionRows, pairs: Pairs, bounds: _Bounds) -> Decision:
     outside = np.zeros(own, np.bool_)
     for row in range(own):
         vel = rows.vel[row]
-        speed = length(vel[0], vel[1], vel[2])
+        speed = norm(vel)
         if bounds.jerk_limited:
             outside[row] = speed > bounds.speed
         elif not rows.hold[row] > 0.0:  # it brakes

@@ -19,7 +19,7 @@ from q2q_planner.online.safe.motion.committed_motion import CommittedMotion, Mot
 from q2q_planner.online.safe.motion.followed_reference import ReferenceRows
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.traffic import TrafficRows, TrafficTable, rows_in_pairs
-from q2q_planner.online.safe.motion.vectors import length
+from q2q_planner.online.safe.motion.vectors import length, norm
 from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards, speed_bound
@@ -202,7 +202,7 @@ def _most_closing(out: Vector, vel: Vector, most: float) -> float:
 @compiled
 def _share(vector: Array, most: float) -> float:
     """Return the share of a vector, (3,), up to the norm `most`: at most 1."""
-    size = length(vector[0], vector[1], vector[2])
+    size = norm(vector)
     return float(most / size) if size > most else 1.0
 
 

@@ -12,7 +12,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, SwarmSetpoint
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.motion.vectors import distance, length
+from q2q_planner.online.safe.motion.vectors import distance, length, norm
 from q2q_planner.online.safe.stopping.jerk_limited import speed_bound
 
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
@@ -96,7 +96,7 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
 def _speed_ahead(reference: ReferenceRows, row: int, bounds: FollowBounds) -> float:
     """Return the speed that a row reaches if its acceleration is taken back from now on [m/s]."""
     vel, acc = reference.vel[row], reference.acc[row]
-    speed = length(vel[0], vel[1], vel[2])
+    speed = norm(vel)
     rise = vel[0] * acc[0] + vel[1] * acc[1] + vel[2] * acc[2]
     if rise <= 0.0:
         return speed

@@ -30,7 +30,7 @@ from q2q_planner.online.safe.motion.followed_reference import (
     near_rows,
 )
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.motion.vectors import length
+from q2q_planner.online.safe.motion.vectors import norm
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 from q2q_planner.online.safe.stopping.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 
@@ -159,16 +159,10 @@ def _held(count: int, rows: MotionRows, reference: ReferenceRows, put: Mask, lim
         return held
     for row in range(put.size):
         if put[row]:
-            held[row] = max(held[row], _size(reference.acc[row]))
+            held[row] = max(held[row], norm(reference.acc[row]))
         if rows.hold[row] > 0.0:
-            held[row] = max(held[row], _size(rows.acc[row]))
+            held[row] = max(held[row], norm(rows.acc[row]))
     return held
-
-
-@compiled
-def _size(vector: Array) -> float:
-    """Return the length of a vector, (3,)."""
-    return length(vector[0], vector[1], vector[2])
 
 
 @compiled
@@ -226,7 +220,7 @@ def stopping_distances(rows: TrafficRows, held: Array, limits: TrafficLimits) ->
     hold, most, vel = limits.hold + limits.ramps, limits.acc, rows.vel
     fast = np.empty(len(vel))
     for row in range(fast.size):
-        fast[row] = _size(vel[row]) + held[row] * hold
+        fast[row] = norm(vel[row]) + held[row] * hold
     top, rate = float(fast.max()), 2.0 * float(rows.growth[:, 1].max())
     rest = hold + (top + rate) / most
     stopping: Array = fast * (hold + 0.5 * fast / most) + rows.growth[:, 0] + rows.growth[:, 1] * rest

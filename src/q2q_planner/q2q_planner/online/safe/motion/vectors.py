@@ -1,4 +1,4 @@
-"""Lengths and distances of vectors, compiled: of three numbers, and of the rows of arrays."""
+"""Lengths and distances of vectors, compiled: of three numbers, of a vector, and of rows of arrays."""
 
 import numpy as np
 
@@ -10,6 +10,12 @@ from q2q_model.signals.values import Array
 def length(x: float, y: float, z: float) -> float:
     """Return the length of a vector."""
     return float(np.sqrt(x * x + y * y + z * z))
+
+
+@compiled
+def norm(vector: Array) -> float:
+    """Return the length of a vector (3,)."""
+    return length(vector[0], vector[1], vector[2])
 
 
 @compiled
