@@ -257,6 +257,8 @@ def test_parameters_of_the_node_are_checked() -> None:
     assert settings_lines({"cf1": {"a.b": 4294967295.0, "c.d": 1e-3}}) == [
         "firmware_params of cf1: a.b=4294967295, c.d=0.001"
     ]
+    [line] = settings_lines({f"cf{k}": {"a.b": 1.0} for k in range(30)})
+    assert line.endswith(", cf19, and 10 more: a.b=1")
     with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
         firmware_params(("nonsense",), "command")
 

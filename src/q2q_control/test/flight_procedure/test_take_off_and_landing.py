@@ -225,3 +225,10 @@ def test_after_an_emergency_each_vehicle_must_have_been_locked_or_offline() -> N
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
     observation = replace(Bench().observe(), pos=at_height(HOME, -0.001))
     assert heights_text(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"
+
+
+def test_the_heights_of_many_vehicles_are_those_of_the_first_ones() -> None:
+    vehicles = tuple(replace(WELL, name=f"cf{k}") for k in range(30))
+    text = heights_text(replace(Bench().observe(), vehicles=vehicles, pos=np.zeros((30, 3))))
+    assert text.startswith("cf0 at 0.00 m, cf1 at 0.00 m")
+    assert text.endswith("cf19 at 0.00 m, and 10 more")

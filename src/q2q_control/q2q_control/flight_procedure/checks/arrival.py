@@ -18,6 +18,7 @@ import numpy as np
 from q2q_control.flight_procedure.checks.flight_checks import stale_refusal
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_model.counted import listed
 from q2q_model.signals.values import Array
 
 AIR_SPEED = 2.5
@@ -127,8 +128,6 @@ def setpoints_rest(
 
 
 def heights_text(observation: Observation) -> str:
-    """Return the height of every vehicle as text."""
-    return ", ".join(
-        f"{name} at {height:z.2f} m"
-        for name, height in zip(observation.names, observation.pos[:, 2].tolist(), strict=True)
-    )
+    """Return the height of every vehicle as text, of many that of the first ones."""
+    heights = zip(observation.names, observation.pos[:, 2].tolist(), strict=True)
+    return listed([f"{name} at {height:z.2f} m" for name, height in heights])

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isclose, nan
 
+from q2q_model.counted import listed
+
 CONTROLLER = "stabilizer.controller"
 PID, MELLINGER, OUT_OF_TREE = 1.0, 2.0, 6.0
 """Its values. Mellinger's controller uses the acceleration of full states, and so does that of the firmware
@@ -53,7 +55,7 @@ def settings_lines(by_vehicle: Mapping[str, Mapping[str, float]]) -> list[str]:
     vehicles: defaultdict[str, list[str]] = defaultdict(list)
     for name, params in by_vehicle.items():
         vehicles[", ".join(f"{key}={_text(value)}" for key, value in sorted(params.items()))].append(name)
-    return [f"firmware_params of {', '.join(names)}: {text}" for text, names in vehicles.items() if text]
+    return [f"firmware_params of {listed(names)}: {text}" for text, names in vehicles.items() if text]
 
 
 def left_out_lines(
@@ -68,7 +70,7 @@ def left_out_lines(
             vehicles[flown_by].append(f"{_text(of_file[CONTROLLER])} of {name}")
     left_out = f"{CONTROLLER} of crazyflies is left out"
     why = "by the mode, or by the parameter firmware_params, which overrides both"
-    return [f"{left_out} ({', '.join(some)}): {_text(one)} is set, {why}" for one, some in vehicles.items()]
+    return [f"{left_out} ({listed(some)}): {_text(one)} is set, {why}" for one, some in vehicles.items()]
 
 
 def _text(value: float) -> str:
