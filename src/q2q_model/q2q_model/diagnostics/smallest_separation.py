@@ -18,7 +18,7 @@ def smallest_separation(pos: Array) -> float:
 
 @compiled
 def closest_pair(pos: Array) -> float:
-    """Return the smallest distance of two finite positions (n, 3) [m]."""
+    """Return the smallest distance [m] between two of n finite positions (n, 3) [m]; infinite if n < 2."""
     nearest = math.inf
     for i in range(pos.shape[0]):
         for j in range(i):

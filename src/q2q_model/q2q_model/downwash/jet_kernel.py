@@ -32,11 +32,13 @@ class JetPairs(NamedTuple):
     """Pairs for the compiled loop."""
 
     rel_pos: Array
-    """(p, 3); place k is one of pair k mod m."""
+    """r_j(t - tau) - r_i(t) [m], world, (p, 3); place k is one of pair k mod m."""
     source_vel: Array
-    """As the two below (m, 3)."""
+    """Of source j [m/s], world, (m, 3)."""
     source_axis: Array
+    """Body z of source j, world, (m, 3)."""
     vel: Array
+    """Of vehicle i [m/s], world, (m, 3)."""
 
 
 @compiled
@@ -50,7 +52,7 @@ def law_of_numbers(numbers: Array) -> JetLaw:
 
 @compiled(**BORROWING)
 def evaluate_pairs(pairs: JetPairs, law: JetLaw, push: Array, eta: Array) -> None:
-    """Write the downward acceleration (p,) and eta (p, 3) [m/s^2]."""
+    """Write the downward `push` (p,) on the lower vehicle, and eta (p, 3) of i [m/s^2], world."""
     for k in range(push.size):
         above = math.tanh(pairs.rel_pos[k, 2] / BLEND)
         push[k] = _push(pairs, k, above, law)

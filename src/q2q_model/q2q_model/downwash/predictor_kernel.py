@@ -2,8 +2,8 @@
 
 | name | meaning [unit] |
 |---|---|
-| states | pos, vel [m, m/s], quat x y z w, age [s] of every vehicle, (n, 11) |
-| now | pos, vel, body z of every vehicle, (n, 9) |
+| states | pos, vel [m, m/s], world, quat x y z w, body to world, age [s] of every vehicle, (n, 11) |
+| now | pos, vel [m, m/s], body z of every vehicle, world, (n, 9) |
 | i, j | rows of every pair found, vehicle i exposed to source j, (p,) each |
 """
 
@@ -83,7 +83,7 @@ the horizontal and the vertical reach [m]."""
 
 @compiled
 def body_z(state: Array, axis: Array) -> None:
-    """Write the body z axis (3,) of a `state`, a row of `states`; level where its orientation is unknown."""
+    """Write body z, world, (3,) of a `state`, a row of `states`; level where its orientation is unknown."""
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
     axis[2] = 1.0 - 2.0 * (x * x + y * y)
@@ -161,7 +161,7 @@ def sum_over_sources(
     Args:
         pairs: (p,) each.
         outputs: of the pairs.
-        now: position [m], velocity [m/s] and body z of the vehicles, world, (n, 9).
+        now: as above.
         known: whether there is a model.
         sums: of the vehicles.
     """

@@ -61,7 +61,7 @@ def remember_poses(now: Array, recent: RecentPoses) -> None:
 
 @compiled
 def repeated_poses(now: Array, recent: RecentPoses) -> tuple[Mask, bool]:
-    """Return which poses (n, 7) equal a recent one bit for bit, (n,), and whether no x is that before."""
+    """Return which poses (n, 7) equal a recent one bit for bit, (n,), and Offered.fresh."""
     same, fresh, (poses, newest) = np.zeros(len(now), np.bool_), True, recent
     for i in range(len(now)):
         for row in range(RECENT):

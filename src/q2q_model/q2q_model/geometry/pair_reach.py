@@ -43,7 +43,7 @@ def beyond_rows(rel_pos: Array, now: Array, reach: tuple[float, float]) -> Mask:
 
 @compiled(**HOT)
 def is_beyond_reach(rel_pos: Array, now: Array, reach: tuple[float, float]) -> bool:
-    """Return whether a pair has no downwash: (3,), (3,), and as `beyond_reach`."""
+    """Return whether one pair has no downwash; rel_pos (3,), now (3,) and reach are as in `beyond_reach`."""
     horizontal, vertical = reach
     farthest = horizontal * horizontal
     aside = rel_pos[0] * rel_pos[0] + rel_pos[1] * rel_pos[1] > farthest

@@ -62,7 +62,7 @@ class Attitudes(NamedTuple):
 
 @compiled
 def attitude_columns(table: Table) -> Attitudes:
-    """Return the columns of a table, views of it."""
+    """Return the columns of a table of attitude tracks, ATTITUDE (n,), as views of it."""
     return Attitudes(
         table["seen"], table["time"], table["rejected_since"], table["quat"], table["ang_vel_body"]
     )
@@ -70,10 +70,10 @@ def attitude_columns(table: Table) -> Attitudes:
 
 @compiled
 def follow_attitudes(t: float, measured: Array, params: AttitudeGateParams, table: Table) -> bool:
-    """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are taken.
+    """Take one tick's attitudes x y z w (n, 4) at t [s]; False, and no track changed, unless all are taken.
 
     They are if no track is new or rejected samples before, and every sample is absent, or passes the gate
-    with body z up.
+    with body z up. `table` is ATTITUDE, (n,).
     """
     tracks = attitude_columns(table)
     turn = np.empty(4)

@@ -60,7 +60,10 @@ class TrackMemory(NamedTuple):
 def accept(
     t: float, at: Prediction, assigned: Association, noise_var: float, table: Table
 ) -> tuple[Array, Array]:
-    """Take the assigned samples into the tracks; return positions and velocities, (n, 3) each."""
+    """Take the samples assigned at t [s] into the tracks; return pos [m] and vel [m/s], world, (n, 3) each.
+
+    `noise_var` is the variance of a sample per axis [m^2]; `table` is TRACK, (n,).
+    """
     tracks = columns_of(table)
     better = correct(MotionEstimate(at.state, at.cov), at.samples[assigned.source], at.K, noise_var)
     pos, vel = np.empty_like(at.samples), np.zeros_like(at.samples)

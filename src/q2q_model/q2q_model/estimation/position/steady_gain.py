@@ -24,7 +24,7 @@ PERIOD, LAST = 0, 1
 
 @compiled
 def is_due(clock: Array, t: float) -> bool:
-    """Return whether a tick at t [s] comes one steady period after the last."""
+    """Return whether a tick at t [s] comes one steady period after the last; `clock` (2,) is PERIOD, LAST."""
     return bool(abs(t - clock[LAST] - clock[PERIOD]) <= SAME_INSTANT)
 
 

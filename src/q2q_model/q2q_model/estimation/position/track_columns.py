@@ -74,7 +74,7 @@ TRACK = np.dtype(
 
 @compiled
 def columns_of(table: Table) -> TrackColumns:
-    """Return the columns of a table of tracks, views of it."""
+    """Return the columns of a table of position tracks, TRACK (n,), as views of it."""
     return TrackColumns(
         table["seen"],
         table["confirmed"],
