@@ -48,7 +48,10 @@ def new_motions(traffic: TrafficRows, desired: DesiredMotion, hold: float) -> Mo
 
 @compiled
 def old_motions(rows: MotionRows, traffic: TrafficRows, certain: Motions) -> Motions:
-    """Return the rest of the swarm's motions, which needs no growth rate: it is proven; then `certain`."""
+    """Return the old motions of all n + m rows: the rest of the swarm's, (n,), then `certain`, (m,).
+
+    The swarm's need no growth rate: they are proven. `certain` are those that external vehicles fly.
+    """
     own = rows.hold.size
     growth = np.zeros((own, 2))
     growth[:, 0] = traffic.growth[:own, 0]

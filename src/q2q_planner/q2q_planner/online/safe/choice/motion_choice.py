@@ -179,7 +179,7 @@ def choose_motions(candidates: CandidateMotions, pairs: Pairs, proven: Proven, r
 
 @compiled
 def choices_alone(kind: Kinds) -> Choices:
-    """Return the choices of vehicles without pairs, (n,)."""
+    """Return the choices of vehicles in no pair, (n,), by the `kind` of their new motions, (n,)."""
     choice = np.full(kind.size, NEW, np.int8)
     choice[kind == TOO_FAST] = OLD
     return choice
@@ -189,7 +189,10 @@ def choices_alone(kind: Kinds) -> Choices:
 def choices_at(
     rows: MotionRows, desired: DesiredMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
 ) -> Choices:
-    """Return the choice of each vehicle of the swarm, (n,): what is built, then what is chosen of it."""
+    """Return the choice of each vehicle of the swarm, (n,): what is built, then what is chosen of it.
+
+    `proven` (n, m) is that of `choose_motions`.
+    """
     new = new_motions(traffic.rows, desired, rule.hold)
     old = old_motions(rows, traffic.rows, traffic.certain)
     candidates = CandidateMotions(new, old, desired.kind)

@@ -196,7 +196,10 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
 
 @compiled
 def interacting_pairs(own: int, rows: TrafficRows, held: Array, limits: TrafficLimits) -> Pairs:
-    """Return the pairs that can affect each other; `held` is as in stopping_distances."""
+    """Return the pairs i < j that can affect each other, i of the swarm's `own` rows.
+
+    `held` (rows,) is that of `stopping_distances`.
+    """
     count = len(rows.pos)
     if count < 2:
         none = np.zeros(0, np.intp)

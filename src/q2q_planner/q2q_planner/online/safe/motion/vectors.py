@@ -1,4 +1,4 @@
-"""Lengths and distances of vectors, compiled: of three numbers, of a vector, and of rows of arrays."""
+"""Lengths and distances of vectors, in their unit, compiled: of numbers, of a vector, of rows of arrays."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from q2q_model.signals.values import Array
 
 @compiled
 def length(x: float, y: float, z: float) -> float:
-    """Return the length of a vector."""
+    """Return the length of a vector x, y, z."""
     return float(np.sqrt(x * x + y * y + z * z))
 
 
@@ -20,5 +20,5 @@ def norm(vector: Array) -> float:
 
 @compiled
 def distance(some: Array, other: Array, row: int) -> float:
-    """Return the distance of a row of two arrays (n, 3)."""
+    """Return the distance of one row of two arrays (n, 3)."""
     return length(some[row, 0] - other[row, 0], some[row, 1] - other[row, 1], some[row, 2] - other[row, 2])

@@ -52,7 +52,7 @@ def followed_pole(pole: float, lag: float, reversal: float) -> float:
 
 @compiled
 def approach_speed(s: float, law: ApproachLaw) -> tuple[float, float]:
-    """Return the speed of approach at a distance [m], and its slope."""
+    """Return the speed of approach w [m/s] at a distance s [m], and its slope w' [1/s]."""
     pole, brake = law
     near = brake / (pole * pole)
     if s <= near:

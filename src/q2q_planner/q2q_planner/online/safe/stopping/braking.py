@@ -69,7 +69,7 @@ class BrakingLaw(NamedTuple):
 
 @compiled
 def zone_distance(x: float, y: float, z: float, law: BrakingLaw) -> float:
-    """Return the signed distance to I(eps, d) [m]."""
+    """Return the signed distance [m] of an offset x, y, z [m] between two vehicles to I(eps, d)."""
     side, cap = np.sqrt(x * x + y * y) - law.eps, abs(z) - law.d
     if side > 0.0 and cap > 0.0:
         return float(np.sqrt(side * side + cap * cap))
@@ -103,9 +103,9 @@ def _coordinate(motions: Motions, row: int, axis: int, s: float, share: float) -
 
 @compiled(**BORROWING)
 def stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
-    """Return whether vehicles i and j are proven to stay out of each other's zone.
+    """Return whether rows i and j of the motions are proven to stay out of each other's zone.
 
-    Half of `floor` is kept, or half of the initial distance if that is less.
+    Half of `floor` [m] is kept, or half of the initial distance if that is less.
     """
     vel, acc, hold, growth, brake = motions.vel, motions.acc, motions.hold, motions.growth, law.brake
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]

@@ -98,7 +98,7 @@ def _stopped(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 @compiled
 def with_stops(motions: Motions, law: BrakingLaw) -> StoppingMotions:
-    """Return motions with the phases of their stops; a law that does not bound jerk has none."""
+    """Return motions with the phases of their stops; a law that does not bound jerk has none, (0, 3, 4)."""
     phases = np.empty((motions.hold.size if law.jerk > 0.0 else 0, 3, 4))
     for row in range(len(phases)):
         for axis in range(3):
@@ -122,7 +122,7 @@ def _axis_motion(stopping: StoppingMotions, row: int, axis: int) -> AxisMotion:
 
 @compiled(**HOT)
 def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
-    """Return one axis of a motion at time s [s]."""
+    """Return one axis of a motion at time s [s] since its start."""
     if s > motion.hold:
         return _stopped(motion, s - motion.hold, law)
     return _held(motion.start, motion.jerk, s)
@@ -130,13 +130,13 @@ def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 @compiled(**HOT)
 def axes_of(stopping: StoppingMotions, row: int) -> ThreeAxisMotion:
-    """Return x, y and z of a motion."""
+    """Return x, y and z of the motion of a row."""
     return _axis_motion(stopping, row, 0), _axis_motion(stopping, row, 1), _axis_motion(stopping, row, 2)
 
 
 @compiled(**HOT)
 def rest_of(axes: ThreeAxisMotion) -> float:
-    """Return the time at which a motion rests [s]."""
+    """Return the time since its start at which a motion rests [s]."""
     longest = 0.0
     for motion in axes:
         longest = max(longest, motion.first + motion.even + motion.last)
@@ -145,13 +145,13 @@ def rest_of(axes: ThreeAxisMotion) -> float:
 
 @compiled(**BORROWING)
 def rest_time(stopping: StoppingMotions, row: int) -> float:
-    """Return the time at which a motion rests [s]."""
+    """Return the time since its start at which the motion of a row rests [s]."""
     return rest_of(axes_of(stopping, row))
 
 
 @compiled(**BORROWING)
 def acceleration_bound(motions: Motions, row: int, law: BrakingLaw) -> float:
-    """Return a bound of |r''| of a motion [m/s^2]."""
+    """Return a bound of |r''| of the motion of a row [m/s^2]."""
     square = 0.0
     for axis in range(3):
         acc = motions.acc[row, axis]
@@ -184,8 +184,8 @@ def stop_reach(stopping: StoppingMotions, law: BrakingLaw, longest: float) -> Ar
 def speed_bound(vel: Array, acc: Array, jerk: Array, row: int, held: tuple[float, float]) -> float:
     """Return a bound of the speed of a row's motion [m/s]: the largest of each axis, whenever it is reached.
 
-    `held` is the time for which the jerk is held [s], and the largest jerk of the stop [m/s^3]. The bound of
-    the rest of a motion is no larger.
+    `vel`, `acc` and the held `jerk` are (n, 3) [m/s, m/s^2, m/s^3]. `held` is the time for which the jerk is
+    held [s], and the largest jerk of the stop [m/s^3]. The bound of the rest of a motion is no larger.
     """
     square = 0.0
     for axis in range(3):
@@ -220,7 +220,10 @@ def jerk_limited_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tu
 
 @compiled
 def jerk_towards(desired: Array, acc: Array, lag: float, most: float) -> Array:
-    """Return the jerk (n, 3) that approaches desired accelerations with a lag [s], bounded by `most`."""
+    """Return the jerk that brings `acc` to `desired` with a lag [s], (n, 3) each [m/s^3, m/s^2].
+
+    That of each axis is bounded by `most` [m/s^3].
+    """
     jerk = (desired - acc) / lag
     for row in range(len(jerk)):
         for axis in range(3):

@@ -31,7 +31,7 @@ from q2q_planner.online.safe.stopping.jerk_limited import (
 
 @compiled(**HOT)
 def stays_out_jerk_limited(stopping: StoppingMotions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
-    """Return whether vehicles i and j are proven to stay out of each other's zone; as `braking.stays_out`."""
+    """Return whether rows i and j are proven to stay out of each other's zone, as `braking.stays_out`."""
     motions, growth = stopping.motions, stopping.motions.growth
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     most = acceleration_bound(motions, i, law) + acceleration_bound(motions, j, law)

@@ -15,7 +15,10 @@ from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, rest_
 
 @compiled
 def near_pairs(new: StoppingMotions, old: StoppingMotions, pairs: Pairs, law: BrakingLaw) -> Rows:
-    """Return the rows of pairs whose reaches overlap, (k,): the others are proven."""
+    """Return the rows of `pairs` whose reaches overlap, (k,): the others are proven.
+
+    `new` and `old` are the motions of all vehicles, row by row.
+    """
     reaches = _reaches(new, old, law)
     pos = new.motions.pos
     found = np.empty(pairs.i.size, np.intp)
