@@ -69,7 +69,7 @@ class BrakingLaw(NamedTuple):
 
 @compiled
 def zone_distance(x: float, y: float, z: float, law: BrakingLaw) -> float:
-    """Return the signed distance [m] of an offset x, y, z [m] between two vehicles to I(eps, d)."""
+    """Return the signed distance to I(eps, d) [m] of a vehicle at x, y, z [m] from another."""
     side, cap = np.sqrt(x * x + y * y) - law.eps, abs(z) - law.d
     if side > 0.0 and cap > 0.0:
         return float(np.sqrt(side * side + cap * cap))
