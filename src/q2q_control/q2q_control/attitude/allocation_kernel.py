@@ -17,7 +17,10 @@ def packed_frame(frame: RotorFrame) -> tuple[float, float, float]:
 
 @compiled
 def unlimited_rotors(wrench: FloatSequence, frame: FloatSequence) -> tuple[Four, bool]:
-    """Return the rotor thrusts [N] of `wrench` without limits, and whether they are within them."""
+    """Return the rotor thrusts [N] of `wrench` without limits, and whether they are within them.
+
+    `wrench` is U1 [N] and torques [N m], body, (4,); `frame` (3,) is that of `packed_frame`.
+    """
     roll, pitch = 0.25 * wrench[1] / frame[0], 0.25 * wrench[2] / frame[0]
     yaw = 0.25 * wrench[3] / frame[1]
     collective = 0.25 * wrench[0]
@@ -29,7 +32,7 @@ def unlimited_rotors(wrench: FloatSequence, frame: FloatSequence) -> tuple[Four,
 
 @compiled
 def allocate(wrench: FloatSequence, frame: FloatSequence, rotors: Array) -> None:
-    """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s."""
+    """Write the rotor thrusts [N] of `wrench` into `rotors` (4,); arguments as of `unlimited_rotors`."""
     (rotors[0], rotors[1], rotors[2], rotors[3]), fits = unlimited_rotors(wrench, frame)
     if fits:
         return

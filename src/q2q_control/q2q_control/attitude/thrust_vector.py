@@ -116,7 +116,10 @@ def command_rows(acc: Array, table: Array, limits: ThrustLimits) -> tuple[Array,
 
 @compiled
 def write_command(acc: Array, row: Array, limits: ThrustLimits, values: Array) -> Excess:
-    """Write thrust, roll, pitch, yaw rate (4,) of one row of a table; return the excess beyond the limits."""
+    """Write the command of `acc` (3,) to `values` (4,): thrust, roll, pitch, yaw rate; return its excess.
+
+    `row` is one of the table of q2q_control.inputs.alignment.
+    """
     upright = 1.0 - 2.0 * (row[QUAT_AT] * row[QUAT_AT] + row[QUAT_AT + 1] * row[QUAT_AT + 1])
     desired = limits.mass * (GRAVITY + acc[2]) / max(upright, UPRIGHT_MIN)
     least = LEAST_THRUST * limits.mass * GRAVITY

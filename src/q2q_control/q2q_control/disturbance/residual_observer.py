@@ -161,7 +161,10 @@ def _propagate(x: Array, P: Array, F: Array, acc: float, sigma: float) -> None:
 
 @compiled
 def correct_by_push(belief: Belief, rows: Mask, push: Array, noise: Array, share: float) -> None:
-    """Correct `rows` (n,) by y (n,), samples of share w + b with variance `noise` (n,), in place."""
+    """Correct `rows` (n,) in place by y [m/s^2], (n,), samples of share w + b.
+
+    `noise` (n,) is their variance [m^2/s^4].
+    """
     see = np.array([0.0, 0.0, share, 1.0])
     for i in range(push.size):
         if rows[i]:

@@ -161,10 +161,11 @@ def _keep_solution(
 
 @compiled
 def first_tick_lead(horizon: Horizon, step: float, v: int, axis: int) -> float:
-    """Return the correction of the first input, which acts for a tick and not for a stage [m/s^2].
+    """Return the correction of a first input, which acts for a tick and not for a stage [m/s^2].
 
     An input responds to the mean downwash and reference of its stage, half a stage ahead, but the command
-    acts half a tick ahead. The difference is taken from the trend of u*.
+    acts half a tick ahead. The difference is taken from the trend of u*. `v` and `axis` say whose input, and
+    `step` is the length of a stage [s].
     """
     early = 0.5 * max(step - TICK_S, 0.0) / step
     rise = horizon.reference[v, 1, 6 + axis] - horizon.reference[v, 0, 6 + axis]
@@ -173,7 +174,10 @@ def first_tick_lead(horizon: Horizon, step: float, v: int, axis: int) -> float:
 
 @compiled
 def pd_acceleration(horizon: Horizon, bandwidth: float, v: int, axis: int) -> float:
-    """Return a PD law of the loop's bandwidth [rad/s], less downwash and disturbance [m/s^2]."""
+    """Return a PD law of the loop's bandwidth [rad/s], less downwash and disturbance, in bounds [m/s^2].
+
+    `v` and `axis` are as above.
+    """
     ref, now = horizon.reference[v, 0], horizon.start[v, axis]
     feedback = bandwidth**2 * (ref[axis] - now[0]) + np.sqrt(2.0) * bandwidth * (ref[3 + axis] - now[1])
     wanted = ref[6 + axis] + feedback - horizon.push[v, 0, axis]

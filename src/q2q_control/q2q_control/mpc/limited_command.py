@@ -41,7 +41,10 @@ def limited_command(tick: Aligned, acc: Array, law: PlainLaw, last: Last) -> Swa
 
 @compiled
 def write_commands(tick: TickRows, acc: Array, law: PlainLaw, last: Last, out: tuple[Array, Status]) -> None:
-    """Write commands, (4, n), and status, (n,), into `out`."""
+    """Write commands, (4, n), and status, (n,), into `out`.
+
+    `acc` (n, 3) are the accelerations asked for [m/s^2], world.
+    """
     (t, table, usable), (limits, full_thrust, rule) = tick, law
     values, saturated = command_rows(acc, table, ThrustLimits(*limits))
     for v in range(usable.size):

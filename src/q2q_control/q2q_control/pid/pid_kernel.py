@@ -43,7 +43,10 @@ Law = tuple[PlainGains, PlainLimits]
 def pid_rows(
     table: Array, integral: Array, gains: PidGains, limits: ThrustLimits, dt: float
 ) -> tuple[Array, Mask]:
-    """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,); advance `integral` (n, 3) in place."""
+    """Return thrust [N], roll, pitch [rad], yaw rate [rad/s] (n, 4) and saturation (n,) of a table's rows.
+
+    `integral` (n, 3) [m/s^2] advances in place by `dt` [s].
+    """
     n = table.shape[0]
     values, saturated = np.empty((n, 4)), np.empty(n, np.bool_)
     acc, error = np.empty(3), np.empty(3)

@@ -87,9 +87,10 @@ def explicit_solver(law: ExplicitLaw) -> SolverFactory:
 
 @compiled
 def neighbours(pairs: tuple[Rows, Rows], gradient: Array, n: int) -> tuple[Rows, Array]:
-    """Return each vehicle's neighbour of largest gradient, or -1, (n,), and those both ways, (n, 2, N).
+    """Return each vehicle's neighbour of largest gradient, or -1, (n,), and the gradients both ways.
 
-    `gradient` (pairs, N) is the vertical one.
+    `pairs` are i and j, (p,) each, and `gradient` (p, N) is the vertical one [1/s^2]. Those both ways are
+    (n, 2, N): of what a vehicle feels from its neighbour, and of what that feels from it.
     """
     i, j = pairs
     other, strongest = np.full(n, -1), np.zeros(n)

@@ -110,7 +110,10 @@ def _means(values: Array, edges: tuple[int, ...]) -> Array:
 def write_features(
     pair: PairHorizon, gains: AxisGains, high: float, unbounded: Array, x: Array
 ) -> tuple[float, float]:
-    """Write x and the unbounded optima (2, N) of one pair; return base and gate."""
+    """Write x (WIDTH,) and the unbounded optima (2, N) of one pair; return base [m/s^2] and gate [-].
+
+    `high` is the upper bound of the command [m/s^2].
+    """
     most = 0.0
     for v in range(2):
         _write_unbounded(pair.states[v], pair.push[v], gains, unbounded[v])

@@ -193,7 +193,10 @@ def known_neighbours(straight: Neighbours, setpoint: SwarmSetpoint, references: 
 
 @compiled
 def positions_at(received: ReceivedPath, times: Array, path: Array) -> None:
-    """Write the positions at `times` to `path` (K, 3): linear between stages and beyond the last one."""
+    """Write the positions at `times` (K,) [s] to `path` (K, 3) [m], world.
+
+    They are linear between stages and beyond the last one; before the first, they are the first.
+    """
     last = received.pos.shape[0] - 1
     for k in range(times.size):
         place = max((times[k] - received.start) / received.step, 0.0)
@@ -206,7 +209,10 @@ def positions_at(received: ReceivedPath, times: Array, path: Array) -> None:
 
 @compiled
 def accelerations_along(path: Array, times: Array) -> Array:
-    """Return the accelerations along paths (n, N + 1, 3), by second differences, (n, N, 3)."""
+    """Return the accelerations along paths (n, N + 1, 3), by second differences, (n, N, 3) [m/s^2].
+
+    `times` (N + 1,) [s] have equal steps. The first stage has the acceleration of the second.
+    """
     acc, square = np.empty((path.shape[0], times.size - 1, 3)), (times[2] - times[1]) ** 2
     for v in range(path.shape[0]):
         for k in range(1, times.size - 1):

@@ -45,7 +45,7 @@ PlainTracks = tuple[Array, Array, Array, Array, int]
 
 @compiled
 def bounding_boxes(path: Array) -> tuple[Array, Array]:
-    """Return the centre of each vehicle's bounding box (n, 3) and the largest half size (3,).
+    """Return the centre of each vehicle's bounding box (n, 3) and the largest half size (3,) [m].
 
     The box holds the midpoints of the stages of a path (N + 1, n, 3).
     """
@@ -96,7 +96,7 @@ def way_in_delay(swarm: PlainTracks, max_delay: float, spread: Array) -> Array:
 def may_reach(path: Array, pairs: OrderedPairs, reach: tuple[float, float], way: Array) -> Mask:
     """Return the pairs that may come within reach (horizontal, vertical [m]) at some stage's middle, (p,).
 
-    `way` is that of `way_in_delay`.
+    `path` is (N + 1, n, 3) [m], and `way` (n, 2) that of `way_in_delay`.
     """
     i, j = pairs
     hit = np.zeros(i.size, np.bool_)
@@ -115,7 +115,7 @@ def may_reach(path: Array, pairs: OrderedPairs, reach: tuple[float, float], way:
 
 @compiled
 def displaced_places(places: Array, moves: Rows) -> Array:
-    """Return places (p, N, 3), then moved by +DELTA and by -DELTA along each axis, (1 + 2 moves, p, N, 3)."""
+    """Return places (p, N, 3), then moved by +DELTA, -DELTA along each of `moves`, (1 + 2 moves, p, N, 3)."""
     found = np.empty((1 + 2 * moves.size, *places.shape))
     for m in range(found.shape[0]):
         found[m] = places
@@ -127,9 +127,10 @@ def displaced_places(places: Array, moves: Rows) -> Array:
 
 @compiled
 def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Mask:
-    """Add the downwash of pairs to `out.eta` and write their gradients; return the pairs that are not faint.
+    """Add the downwash of pairs to `out.eta`, write their gradients; return those that are not faint, (p,).
 
-    `weight` is that of Tracks.
+    `weight` is that of Tracks, (n, N); `moves` are the axes of displacement, x y z as 0 1 2, and `slope_max`
+    is the largest gradient [1/s^2].
     """
     strong = np.zeros(out.i.size, np.bool_)
     for p in range(out.i.size):
@@ -143,7 +144,7 @@ def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: 
 def add_pair(law: Array, weight: Array, gradients: tuple[Rows, float], p: int, out: DownwashHorizon) -> None:
     """Add the downwash (m, N, 3) of pair p at all places to `out.eta`, and write its gradients.
 
-    `gradients` are the axes of displacement and the largest gradient [1/s^2].
+    `gradients` are `moves` and `slope_max` of `sum_downwash`.
     """
     moves, slope_max = gradients
     i, j = out.i[p], out.j[p]
@@ -158,7 +159,7 @@ def add_pair(law: Array, weight: Array, gradients: tuple[Rows, float], p: int, o
 
 @compiled(**BORROWING)
 def is_strong(law: Array) -> bool:
-    """Return whether a downwash (N, 3) counts; one that is not a number at some stage does not."""
+    """Return whether a downwash (N, 3) [m/s^2] counts; one that is not a number at some stage does not."""
     largest = 0.0
     for k in range(law.shape[0]):
         for c in range(3):

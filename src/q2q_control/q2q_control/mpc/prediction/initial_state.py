@@ -69,7 +69,10 @@ class InitialStateEstimator:
 def roll_states(
     states: Array, seconds: float, command: Array, push: Array, lags: tuple[float, float, float]
 ) -> None:
-    """Move states (n, 3 axes, 3) on by a time [s] under a commanded acceleration and a push, (n, 3) each."""
+    """Move states (n, 3 axes, 3) on by a time [s] under a commanded acceleration and a push, (n, 3) [m/s^2].
+
+    `lags` are those of x, y, z [s].
+    """
     half = 0.5 * seconds * seconds
     for axis in range(3):
         keep, slow, late = lagged_step(lags[axis], seconds)

@@ -42,9 +42,9 @@ PlainRule = tuple[Array, Rows, float, tuple[float, float]]
 
 @compiled
 def sum_near_jets(jets: PlainRule, swarm: PlainTracks, pairs: OrderedPairs, way: Array) -> PlainDownwash:
-    """Return the downwash of those of `pairs` that come within reach and are not faint.
+    """Return the downwash (DownwashHorizon) of those of `pairs` that come within reach and are not faint.
 
-    `way` is that of `way_in_delay`.
+    `way` (n, 2) is that of `way_in_delay`.
     """
     rule, tracks = JetRule(*jets), Tracks(*swarm)
     n, stages = tracks.axis.shape[0], tracks.axis.shape[1]

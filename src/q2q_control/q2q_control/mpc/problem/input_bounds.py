@@ -37,8 +37,8 @@ def level_bounds(thrust: float) -> tuple[float, float]:
 def input_bounds(quat: Array, limits: tuple[float, float], kept: Array) -> tuple[Array, Array]:
     """Return the least input (n, 3) and the largest of each stage (n, N, 3) [m/s^2] at attitudes (n, 4).
 
-    On z, a stage keeps `kept` (n, N) of the largest input, down to the least one. `limits` are the fields of
-    AccelerationLimits.
+    On z, the largest input of a stage is lowered by its reserve `kept` (n, N) [m/s^2], down to the least one.
+    `limits` are the fields of AccelerationLimits.
     """
     most = AccelerationLimits(*limits)
     n, stages = kept.shape

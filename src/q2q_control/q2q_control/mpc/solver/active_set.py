@@ -24,7 +24,7 @@ _TOLERANCE = 1e-9
 
 @compiled(**FAST)
 def input_range(problem: LqProblem, k: int, c: int, acc: float) -> tuple[float, float]:
-    """Return the range of an input at acceleration `acc`.
+    """Return the range of input c of stage k at acceleration `acc` [m/s^2].
 
     It is the nearer of low and high where the rate leads to neither: its bound yields (LqSolution.converged).
     """

@@ -112,8 +112,8 @@ def gains_of_table(table: Array) -> AxisGains:
 def sweep_axes(horizon: Horizon, free: Mask, tables: Array, solution: HorizonSolution) -> Mask:
     """Write positions and inputs of the axes that are `free` (n, 3); return which cross a bound, (n, 3).
 
-    `tables` are those of `sweep_tables`. An axis waits in each stage for the result of the one before, so the
-    axes of a vehicle are swept side by side.
+    `tables` (3, 13, 3) are those of `sweep_tables`. An axis waits in each stage for the result of the one
+    before, so the axes of a vehicle are swept side by side.
     """
     gains, crossing = _gains_of_tables(tables), np.zeros(free.shape, np.bool_)
     for v in range(free.shape[0]):

@@ -122,7 +122,7 @@ def _roll_out_clipped(problem: LqProblem, work: Workspace) -> None:
 
 @compiled(**FAST_HOT)
 def next_state(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
-    """Write the state after stage k."""
+    """Write the state (3n,) after stage k, of its state and inputs (n,) in `work`."""
     before, after, drift = work.states[k], work.states[k + 1], problem.drift[k]
     for c in range(n):
         push = 0.0

@@ -7,6 +7,7 @@ and E the positions:
     P_k = A_k' (P A_k) + Q + K' Qux + Qux' K + K' Quu K             upper triangle, then mirrored
     p_k = A_k' (P c + p) - Q x* + K' (Qu + Quu k) + Qux' k
 
+All arrays but the problem's are those of a Workspace: P, p its cost_matrix, cost_vector at a stage.
 All functions are inlined, with `n` axes as an argument: for a constant `n` LLVM unrolls all loops.
 """
 
@@ -21,7 +22,7 @@ from q2q_model.signals.values import Array
 
 @compiled(**FAST_HOT)
 def last_cost(problem: LqProblem, work: Workspace, n: int) -> None:
-    """Write P, p of the horizon's end."""
+    """Write P (3n, 3n), p (3n,) of the horizon's end."""
     stages = work.inputs.shape[0]
     matrix, vector = work.cost_matrix[stages], work.cost_vector[stages]
     matrix[:] = 0.0
@@ -35,7 +36,7 @@ def last_cost(problem: LqProblem, work: Workspace, n: int) -> None:
 
 @compiled(**FAST_HOT)
 def stage_product(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
-    """Write P A and P c + p of stage k, with P, p of the stage after it."""
+    """Write P A (3n, 3n) and P c + p (3n,) of stage k, with P, p of the stage after it."""
     P, p, product = work.cost_matrix[k + 1], work.cost_vector[k + 1], work.product
     gain, gradient, drift = problem.push_gain, problem.gradient[k], problem.drift[k]
     for i in range(3 * n):
@@ -56,7 +57,7 @@ def stage_product(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
 
 @compiled(**FAST_HOT)
 def stage_quadratics(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
-    """Write Quu, Qux, Qu of stage k."""
+    """Write Quu (n, n), Qux (n, 3n), Qu (n,) of stage k."""
     P, product, ahead, gains = work.cost_matrix[k + 1], work.product, work.ahead, problem.input_gain
     quu, qux, qu = work.quu[k], work.qux[k], work.qu[k]
     for c in range(n):
@@ -76,7 +77,10 @@ def stage_quadratics(problem: LqProblem, k: int, work: Workspace, n: int) -> Non
 
 @compiled(**FAST_HOT)
 def stage_policy(problem: LqProblem, k: int, active_set: ActiveSet, work: Workspace, n: int) -> None:
-    """Write the policy of stage k: bounds of the active inputs, and the free inputs' response to them."""
+    """Write the policy (n, 3n + 1) of stage k: bounds of the active inputs, and the free inputs' response.
+
+    `active_set` (n,) is that of the stage.
+    """
     policy, quu = work.policy[k], work.quu[k]
     _write_bounds(problem, k, active_set, work, n)
     for c in range(n):
@@ -141,7 +145,7 @@ def _substitute(factor: Array, right: Array, i: int, n: int) -> None:
 
 @compiled(**FAST_HOT)
 def stage_cost(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
-    """Write P, p of stage k."""
+    """Write P (3n, 3n), p (3n,) of stage k."""
     P, p, product, ahead = work.cost_matrix[k], work.cost_vector[k], work.product, work.ahead
     gain, gradient = problem.push_gain, problem.gradient[k]
     for c in range(n):

@@ -37,7 +37,7 @@ class Workspace(NamedTuple):
 
 @compiled(**FAST)
 def workspace(stages: int, n: int) -> Workspace:
-    """Return uninitialised arrays for a problem with n inputs."""
+    """Return uninitialised arrays for a problem with N = `stages` stages and n inputs."""
     size = 3 * n
     return Workspace(
         policy=np.empty((stages, n, size + 1)),
