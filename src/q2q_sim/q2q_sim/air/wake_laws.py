@@ -99,7 +99,7 @@ def wake_width(kind: int, gap: float) -> float:
 
 @compiled
 def wake_push(kind: int, gap: float, dxy_squared: float) -> float:
-    """Return P [m/s^2]."""
+    """Return P [m/s^2] at |dz| = gap [m] and a squared horizontal distance [m^2]."""
     s = wake_width(kind, gap)
     if dxy_squared > (EDGE * s) ** 2:
         return 0.0
@@ -111,7 +111,10 @@ def wake_push(kind: int, gap: float, dxy_squared: float) -> float:
 
 @compiled
 def pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
-    """Return the vertical acceleration [m/s^2] of i by j and of j by i, at dz = z_j - z_i [m]."""
+    """Return the vertical acceleration [m/s^2] of i by j and of j by i, at dz = z_j - z_i [m].
+
+    `dxy_squared` is their squared horizontal distance [m^2].
+    """
     strength = wake_push(kind, abs(dz), dxy_squared)
     upper = PAPER_UPPER if kind == PAPER else MEASURED_UPPER
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)

@@ -37,9 +37,13 @@ class Controllers(NamedTuple):
     setpoints: Array
     """Setpoints of the first step of a tick, and of the others, (n, 2, SETPOINT_WIDTH)."""
     gains: Array
+    """(n, GAIN_WIDTH)"""
     memory: Array
+    """(n, MEMORY_WIDTH)"""
     frame: Array
+    """(n, FRAME_WIDTH)"""
     drift: Array
+    """[m], [m/s], world, (n, 6)."""
 
 
 def airframe_in(swarm: Swarm, vehicle: Vehicle) -> Airframe:
@@ -61,7 +65,10 @@ def fresh_controllers(airframe: Airframe, vehicles: int) -> Controllers:
 
 @compiled
 def control_motors(row: Array, controllers: Controllers, i: int, k: int, forces: Array) -> None:
-    """Compute the motor commands of vehicle i in step k."""
+    """Write the rotor forces (4,) [N] that vehicle i, of state `row`, commands in step k of a tick.
+
+    Its memory and drift advance.
+    """
     _, gains, memory, frame, drift = controllers
     setpoint = controllers.setpoints[i, min(k, 1)]
     if gains[i, CONTROLLER] == MELLINGER:
@@ -84,7 +91,7 @@ class PlantInputs(NamedTuple):
 
 @compiled(nogil=True)
 def fly_steps(state: Array, around: PlantInputs, controllers: Controllers, first: int, end: int) -> None:
-    """Advance from step `first` of a tick to the step before `end`."""
+    """Advance `state` (n, STATE_WIDTH) from step `first` of a tick to the step before `end`."""
     air, drive, body = around
     forces = np.empty(4)
     for k in range(first, end):

@@ -37,7 +37,10 @@ PlainBody = tuple[tuple[AxisValues, AxisValues, AxisValues, float], Three, float
 
 @compiled(nogil=True)
 def run_steps(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
-    """Advance by one physics step for each row of commands; releases the GIL."""
+    """Advance by one physics step for each row of commands; releases the GIL.
+
+    `state` (n, STATE_WIDTH) changes in place; commands and drive are as in Swarm.step.
+    """
     work = (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))
     for k in range(commands.shape[0]):
         air_push(state, air, body)

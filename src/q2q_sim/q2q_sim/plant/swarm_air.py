@@ -45,7 +45,7 @@ class Air(NamedTuple):
 
 @compiled(**HOT)
 def air_push(state: Array, air: Air, body: Body) -> None:
-    """Write push and torque of the air on every vehicle."""
+    """Write push [m/s^2] and torque [N m] of the air into the rows of `state` (n, STATE_WIDTH)."""
     kind, ring, rows, room = air
     if kind == ROOM:
         room_air_push(state, ring, rows, room, body.mass)

@@ -52,13 +52,13 @@ class SwarmBatchSetup:
 
 @compiled(**HOT)
 def neighbours_of_swarm(near: NeighbourList, s: int) -> NeighbourList:
-    """Return the list of swarm s."""
+    """Return the list of swarm s, of lists with a leading axis of swarms."""
     return NeighbourList(near.begin[s], near.end[s], near.found[s], near.rank[s], near.at[s], near.limits[s])
 
 
 @compiled(**HOT)
 def air_of_swarm(airs: Air, s: int, work: int) -> Air:
-    """Return the air of swarm s in `stacked` airs, with the workspace of the swarm `work`."""
+    """Return the air of swarm s in airs of `stack_airs`, with the workspace of the swarm `work`."""
     kind, ring, rows, rooms = airs
     room = CompiledRoomAir(
         rooms.table,

@@ -42,7 +42,10 @@ class ImuParams:
 
 @compiled
 def readings(motion: tuple[Array, Array, Array], bias: Array, out: tuple[Array, Array]) -> None:
-    """Write specific force and rate (n, 3) of `motion`: quat, ang_vel_body, acc; `bias` (2, n, 3)."""
+    """Write specific force [m/s^2] and rate [rad/s], body, (n, 3) each, to `out`.
+
+    `motion` is quat, ang_vel_body and acc [m/s^2], world; `bias` (2, n, 3) that of force and rate.
+    """
     quat, ang_vel, acc = motion
     force, rate = out
     for i in range(quat.shape[0]):

@@ -7,6 +7,7 @@ nose up:
     control = PID(rate) [PWM], integer, within +-32767; sign of yaw inverted (motors 1 and 3 turn left)
 
 The yaw setpoint integrates a yaw-rate setpoint. The PIDs are reset when a mode changes, and hold at thrust 0.
+Rows are those of one vehicle: `row` of state_row.py; `setpoint`, `gains`, `memory`, `drift` of columns.py.
 """
 
 from q2q_model.compiled import compiled
@@ -55,13 +56,16 @@ RATE_INTEGRAL, YAW_RATE_INTEGRAL = 33.3, 166.7
 
 @compiled
 def wrap_degrees(angle: float) -> float:
-    """Return an angle within +-180 deg, both ends included."""
+    """Return an angle [deg] within +-180 deg, both ends included."""
     return angle if abs(angle) <= 180.0 else (angle + 180.0) % 360.0 - 180.0
 
 
 @compiled
 def restart(row: Array, drift: Array, memory: Array, attitude: Three) -> None:
-    """Reset all PIDs at the present measurements."""
+    """Reset the PIDs of position and attitude at their measurements, the others at 0.
+
+    `attitude` is roll, legacy pitch, yaw [deg]; the first two become setpoints.
+    """
     for k in range(12):
         pid_reset(memory, PIDS + PID_WIDTH * k, 0.0)
     for k in range(3):
@@ -72,7 +76,7 @@ def restart(row: Array, drift: Array, memory: Array, attitude: Three) -> None:
 
 @compiled
 def mode_changed(setpoint: Array, memory: Array) -> bool:
-    """Return whether a mode differs from the last step's, and store the modes."""
+    """Return whether one of the seven modes differs from the last step's, and store the modes."""
     changed = False
     for k in range(7):
         changed = changed or setpoint[k] != memory[LAST_MODES + k]
@@ -82,7 +86,7 @@ def mode_changed(setpoint: Array, memory: Array) -> bool:
 
 @compiled
 def move_yaw(setpoint: Array, memory: Array) -> None:
-    """Write the yaw setpoint: integrated, absolute, or of a quaternion."""
+    """Write the yaw setpoint [deg]: integrated, absolute, or of a quaternion."""
     yaw = memory[ATTITUDE_SETPOINT + 2]
     if setpoint[MODE_YAW] == VELOCITY:
         yaw += setpoint[SET_RATE + 2] * DT
@@ -96,7 +100,7 @@ def move_yaw(setpoint: Array, memory: Array) -> None:
 
 @compiled
 def attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
-    """Write the rate setpoints."""
+    """Write the rate setpoints [deg/s]; `attitude` is roll, legacy pitch, yaw [deg]."""
     for k in range(3):
         at = PIDS + PID_WIDTH * (PID_ROLL + k)
         error, limit = memory[ATTITUDE_SETPOINT + k] - attitude[k], ANGLE_INTEGRAL
@@ -110,7 +114,7 @@ def attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
 
 @compiled
 def rate_loop(row: Array, memory: Array, gains: Array) -> None:
-    """Write the control outputs [PWM]."""
+    """Write the control outputs of roll, legacy pitch, yaw [PWM]."""
     rates = (DEG * row[P], -DEG * row[Q], DEG * row[R])
     for k in range(3):
         at = PIDS + PID_WIDTH * (PID_ROLL_RATE + k)
@@ -125,7 +129,10 @@ def rate_loop(row: Array, memory: Array, gains: Array) -> None:
 
 @compiled
 def cascade(tick: tuple[Array, Array, Array], gains: Array, memory: Array, position_due: bool) -> None:
-    """Write the control outputs of one vehicle for one step; `tick` is its state row, drift and setpoint."""
+    """Write the control outputs [PWM] of one vehicle for one step; `tick` is its row, drift and setpoint.
+
+    The position loop runs where `position_due`.
+    """
     row, drift, setpoint = tick
     attitude = legacy_degrees(row)
     if mode_changed(setpoint, memory):

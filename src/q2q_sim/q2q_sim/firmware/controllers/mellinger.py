@@ -14,6 +14,8 @@ a_ref is the acceleration of the setpoint: `acc = acc_ref - eta` compensates the
 q2q_control.pid.pid. M is in the firmware's axes: roll right, nose *up*, and yaw left; control yaw is -M_z,
 since motors 1 and 3 turn left and drag the body right.
 
+Rows are those of one vehicle: `row` of state_row.py; `setpoint`, `gains`, `memory`, `drift` of columns.py.
+
 | symbol | name | meaning [unit] |
 |---|---|---|
 | m | MASS | ctrlMel.mass [kg] |
@@ -88,7 +90,7 @@ def clamp(value: float, limit: float) -> float:
 
 @compiled
 def force_of(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> Three:
-    """Return F [N], world, and update the integrals."""
+    """Return F [N], world, and update the integrals of position."""
     ex = setpoint[SET_POS] - row[X] - drift[0]
     ey = setpoint[SET_POS + 1] - row[Y] - drift[1]
     ez = setpoint[SET_POS + 2] - row[Z] - drift[2]
@@ -119,7 +121,7 @@ def force_of(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Ar
 
 @compiled
 def yaw_setpoint(row: Array, setpoint: Array) -> float:
-    """Return psi [rad]."""
+    """Return the yaw setpoint psi [rad]."""
     if setpoint[MODE_YAW] == VELOCITY:
         return float(legacy_degrees(row)[2] * RAD + setpoint[SET_RATE + 2] * RAD * DT)
     if setpoint[MODE_YAW] == ABS:
@@ -132,7 +134,7 @@ def yaw_setpoint(row: Array, setpoint: Array) -> float:
 
 @compiled
 def frame_along(z: Three, yaw: float) -> Nine:
-    """Return x_d, y_d, z_d for a z axis and a yaw."""
+    """Return x_d, y_d, z_d, world, for a unit z axis and a yaw [rad]."""
     zx, zy, zz = z
     cx, cy = math.cos(yaw), math.sin(yaw)
     yx, yy, yz = -zz * cy, zz * cx, zx * cy - zy * cx
@@ -145,7 +147,7 @@ def frame_along(z: Three, yaw: float) -> Nine:
 
 @compiled
 def frame_of_angles(roll: float, pitch: float, yaw: float) -> Nine:
-    """Return the body axes at Euler angles [rad], Z-Y-X."""
+    """Return body x, y, z, world, at Euler angles [rad], Z-Y-X."""
     cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
     cy, sy = math.cos(yaw), math.sin(yaw)
     return (
@@ -157,7 +159,7 @@ def frame_of_angles(roll: float, pitch: float, yaw: float) -> Nine:
 
 @compiled
 def dot(frame: Nine, i: int, body: Nine, j: int) -> float:
-    """Return the scalar product of axis i of one frame and axis j of another."""
+    """Return the scalar product of axis i of one frame and axis j of another, x y z as 0 1 2."""
     return (
         frame[3 * i] * body[3 * j] + frame[3 * i + 1] * body[3 * j + 1] + frame[3 * i + 2] * body[3 * j + 2]
     )
@@ -165,7 +167,10 @@ def dot(frame: Nine, i: int, body: Nine, j: int) -> float:
 
 @compiled
 def moments(row: Array, setpoint: Array, gains: Array, memory: Array, frame: Nine) -> Three:
-    """Return M [PWM]: roll right, nose up, yaw left."""
+    """Return M [PWM]: roll right, nose up, yaw left; update the integrals of moments and the last rates.
+
+    `frame` is x_d, y_d, z_d.
+    """
     body = axes(row)
     ex = dot(frame, 2, body, 1) - dot(frame, 1, body, 2)
     ey = -(dot(frame, 0, body, 2) - dot(frame, 2, body, 0))  # nose up
@@ -191,7 +196,7 @@ def moments(row: Array, setpoint: Array, gains: Array, memory: Array, frame: Nin
 
 @compiled
 def mellinger(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> None:
-    """Write the control outputs of one vehicle for one step."""
+    """Write the control outputs [PWM] of one vehicle for one step."""
     force = force_of(row, drift, setpoint, gains, memory)
     yaw = yaw_setpoint(row, setpoint)
     length = max(math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2), 1e-9)

@@ -9,7 +9,7 @@ motors numbered as in q2q_control.attitude.allocation:
 
 All intermediate values are integers: r/2, p/2, m and the duty are truncated. Factors of the airframe scale
 r, p and y. The force of a motor follows from its duty and the true battery voltage, up to the airframe's
-limit.
+limit. `setpoint`, `memory` and `frame` are rows of one vehicle (columns.py).
 """
 
 from q2q_model.compiled import compiled
@@ -33,7 +33,7 @@ from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensate, thrust_pwm
 
 @compiled
 def mix(memory: Array, frame: Array) -> None:
-    """Write the motor commands [PWM]."""
+    """Write the commands of the four motors [PWM]."""
     r = frame[SHARE_TILT] * truncate(0.5 * memory[CONTROL], INT32_MAX)
     p = frame[SHARE_TILT] * truncate(0.5 * memory[CONTROL + 1], INT32_MAX)
     y, thrust = frame[SHARE_YAW] * memory[CONTROL + 2], memory[CONTROL + 3]
@@ -45,7 +45,7 @@ def mix(memory: Array, frame: Array) -> None:
 
 @compiled
 def cap(duties: Array, idle: float) -> None:
-    """Lower all duties equally until none is above 65535, then raise each to the idle thrust."""
+    """Lower the duties (4,) equally until none is above 65535, then raise each to `idle` at least."""
     excess = max(max(duties[0], duties[1], duties[2], duties[3]) - PWM_TOP, 0.0)
     for k in range(4):
         duties[k] = max(duties[k] - excess, idle)
@@ -53,7 +53,7 @@ def cap(duties: Array, idle: float) -> None:
 
 @compiled
 def drive_motors(setpoint: Array, memory: Array, frame: Array, forces: Array) -> None:
-    """Write the motors' duties into memory, and their commanded forces [N]."""
+    """Write the four motors' duties into memory, and their commanded forces (4,) [N]."""
     duties = memory[MOTOR : MOTOR + 4]
     duties[:] = 0.0
     mix(memory, frame)

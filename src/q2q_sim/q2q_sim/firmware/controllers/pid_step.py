@@ -5,7 +5,8 @@ Source: firmware: utils/src/pid.c, utils/src/filter.c (lpf2p, second order Butte
     e = setpoint - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit
 
 The derivative acts on the measurement, which avoids setpoint kick, and is filtered as in the firmware: for
-position and velocity (20 Hz), not for attitude and rates.
+position and velocity (20 Hz), not for attitude and rates. `at` is the first column of a PID in one vehicle's
+`memory` (columns.py); units are those of what it controls.
 """
 
 import math
@@ -37,7 +38,7 @@ class PidColumns(NamedTuple):
 
 @compiled
 def slope_of(memory: Array, at: int, measured: float, dt: float) -> float:
-    """Return d(-measured)/dt and store the measurement."""
+    """Return d(-measured)/dt over `dt` [s] and store the measurement."""
     rise = memory[at + 1] - measured
     memory[at + 1] = measured
     return float(rise / dt)
@@ -54,7 +55,7 @@ def filtered(memory: Array, at: int, sample: float) -> float:
 
 @compiled
 def pid(error: float, slope: float, memory: Array, gains: Array, columns: PidColumns) -> float:
-    """Return the output of one step."""
+    """Return the output u of one step, of the error e and d(-measured)/dt, `slope`."""
     at, gain = columns.memory, columns.gains
     memory[at] = min(max(memory[at] + error * columns.dt, -columns.integral_max), columns.integral_max)
     return float(gains[gain] * error + gains[gain + 1] * memory[at] + gains[gain + 2] * slope)
@@ -62,6 +63,6 @@ def pid(error: float, slope: float, memory: Array, gains: Array, columns: PidCol
 
 @compiled
 def pid_reset(memory: Array, at: int, measured: float) -> None:
-    """Reset a PID at a measurement."""
+    """Reset the PID at column `at` at a measurement."""
     memory[at], memory[at + 1] = 0.0, measured
     memory[at + 2], memory[at + 3] = 0.0, 0.0

@@ -8,6 +8,7 @@ Source: firmware: modules/src/controller/position_controller_pid.c.
 
 Each of the three inner PIDs adds its feed-forward, KFF v_d. The controller reads no
 acceleration: `acc` of a full state does nothing under this controller.
+Rows are those of one vehicle: `row` of state_row.py; `setpoint`, `gains`, `memory`, `drift` of columns.py.
 """
 
 import math
@@ -68,7 +69,7 @@ class FilteredPid(NamedTuple):
 
 @compiled
 def axis(error: float, measured: float, memory: Array, gains: Array, one: FilteredPid) -> float:
-    """Run one filtered PID."""
+    """Return the output of one filtered PID and its feed-forward, together within +-output_max."""
     at, top = PIDS + PID_WIDTH * one.number, one.output_max
     rise = filtered(memory, at, slope_of(memory, at, measured, DT))
     out = pid(error, rise, memory, gains, PidColumns(at, one.gains, DT, INTEGRAL_LIMIT)) + one.feed
@@ -79,7 +80,10 @@ def axis(error: float, measured: float, memory: Array, gains: Array, one: Filter
 def velocity_setpoint(
     where: Three, setpoint: Array, gains: Array, memory: Array, turn: tuple[float, float]
 ) -> Three:
-    """Return v_d forward, left, up [m/s]; `where` is the estimated position, `turn` cos, sin of the yaw."""
+    """Return v_d forward, left, up [m/s].
+
+    `where` is the estimated position [m], world, and `turn` cos, sin of the yaw.
+    """
     c, s = turn
     p, v = SET_POS, SET_VEL
     ahead, left = where[0] * c + where[1] * s, where[1] * c - where[0] * s
@@ -109,7 +113,7 @@ def velocity_setpoint(
 
 @compiled
 def position_pid(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> None:
-    """Write the setpoints of attitude and thrust."""
+    """Write the setpoints of roll and legacy pitch [deg], and of thrust [PWM]."""
     yaw = yaw_of(row[QX], row[QY], row[QZ], row[QW])
     c, s = math.cos(yaw), math.sin(yaw)
     where = (row[X] + drift[0], row[Y] + drift[1], row[Z] + drift[2])

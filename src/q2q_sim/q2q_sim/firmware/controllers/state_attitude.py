@@ -15,7 +15,7 @@ DEG = 180.0 / math.pi
 
 @compiled
 def axes(row: Array) -> Nine:
-    """Return body x, y, z in the world of a state row: the columns of R."""
+    """Return body x, y, z, world, of a state row (STATE_WIDTH,): the columns of R."""
     x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
     return (
         1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
@@ -26,7 +26,7 @@ def axes(row: Array) -> Nine:
 
 @compiled
 def legacy_degrees(row: Array) -> Three:
-    """Return roll, legacy pitch (nose up), yaw [deg] of a state row."""
+    """Return roll, legacy pitch (nose up), yaw [deg] of a state row (STATE_WIDTH,)."""
     x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
     roll, pitch, _ = tilt((x, y, z, w))
     return DEG * roll, -DEG * pitch, DEG * yaw_of(x, y, z, w)

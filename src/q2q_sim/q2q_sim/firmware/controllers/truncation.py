@@ -13,7 +13,7 @@ INT16_MAX, INT32_MAX = 32767.0, 2147483647.0
 
 @compiled
 def truncate(number: float, limit: float) -> float:
-    """Return a number rounded towards zero, within a limit; 0 for NaN."""
+    """Return a number rounded towards zero, within +-limit; 0 for NaN."""
     if math.isnan(number):
         return 0.0
     return float(math.trunc(min(max(number, -limit), limit)))

@@ -111,7 +111,7 @@ def body_of(vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Body:
 
 @compiled(**BORROWING)
 def tilt(quat: Four) -> Three:
-    """Return roll, pitch [rad], and 0 for the yaw, which the attitude law does not read."""
+    """Return roll, pitch [rad] of a quaternion, and 0 for the yaw, which the attitude law does not read."""
     x, y, z, w = quat
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     return roll, math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0)), 0.0
@@ -172,7 +172,10 @@ def _stand(row: Array, body: Body) -> None:
 
 @compiled(**BORROWING)
 def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
-    """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
+    """Advance rotors and rigid body of a `row` by one step under commanded rotor thrusts [N], (4,).
+
+    `row` and `drive` are as in `advance`.
+    """
     rotor_max = (row[ROTOR_MAX1], row[ROTOR_MAX2], row[ROTOR_MAX3], row[ROTOR_MAX4])
     asked = (commanded[0], commanded[1], commanded[2], commanded[3])
     lost = excess_share(asked, rotor_max)

@@ -14,7 +14,7 @@ SMALL_SQUARE = 1e-3
 
 @compiled(**BORROWING)
 def acceleration(quat: Four, rotors: Four, push: Three, mass: float) -> Three:
-    """Return the acceleration [m/s^2], world."""
+    """Return the acceleration [m/s^2], world, by rotor thrusts [N], a push [m/s^2], world, and gravity."""
     x, y, z, w = quat
     thrust_acc = (rotors[0] + rotors[1] + rotors[2] + rotors[3]) / mass
     return (
@@ -26,7 +26,7 @@ def acceleration(quat: Four, rotors: Four, push: Three, mass: float) -> Three:
 
 @compiled(**BORROWING)
 def rate_after(rate: Three, torque: Three, inertia: AxisValues, step: float) -> Three:
-    """Return the body rates after one step under the torque [N m] of rotors and air."""
+    """Return the body rates [rad/s] after a step [s] under the torque [N m], body, of rotors and air."""
     p, q, r = rate
     ix, iy, iz = inertia[0], inertia[1], inertia[2]
     return (
@@ -38,7 +38,7 @@ def rate_after(rate: Three, torque: Three, inertia: AxisValues, step: float) -> 
 
 @compiled(**BORROWING)
 def small_half_turn(square: float) -> Two:
-    """Return sin x / x and cos x for x^2 = square up to SMALL_SQUARE; exact to the last digit."""
+    """Return sin x / x and cos x for x^2 = square [rad^2] up to SMALL_SQUARE; exact to the last digit."""
     sine = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0)))
     rest = 1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))
     return sine, 1.0 - square * (0.5 - square * rest)
@@ -46,7 +46,7 @@ def small_half_turn(square: float) -> Two:
 
 @compiled(**BORROWING)
 def half_turn_of(square: float) -> Two:
-    """Return sin x / x and cos x for x^2 = square."""
+    """Return sin x / x and cos x for x^2 = square [rad^2]."""
     if square > SMALL_SQUARE:
         x = math.sqrt(square)
         return math.sin(x) / x, math.cos(x)
@@ -55,14 +55,17 @@ def half_turn_of(square: float) -> Two:
 
 @compiled(**BORROWING)
 def half_turn_squared(rate: Three, step: float) -> float:
-    """Return the square of half the angle of a step's turn [rad^2]."""
+    """Return the square of half the angle of a step's turn [rad^2], at body rates [rad/s]."""
     p, q, r = rate
     return 0.25 * step * step * (p * p + q * q + r * r)
 
 
 @compiled(**BORROWING)
 def quat_after(quat: Four, rate: Three, half_turn: Two, step: float) -> Four:
-    """Return the attitude after one step at `rate`; `half_turn` is sin x / x, cos x of half the angle."""
+    """Return the attitude x y z w after one step [s] at body rates [rad/s].
+
+    `half_turn` is sin x / x, cos x of half the angle.
+    """
     s, c = half_turn
     s *= 0.5 * step
     ex, ey, ez = s * rate[0], s * rate[1], s * rate[2]

@@ -6,7 +6,7 @@ from q2q_model.signals.values import Four, Three
 
 @compiled(**BORROWING)
 def rotor_torque(rotors: Four, lever: float, drag: float) -> Three:
-    """Return the torque of the rotors [N m], body."""
+    """Return the torque [N m], body, of rotor thrusts [N]; `lever` [m], `drag` [m] are of a RotorFrame."""
     f1, f2, f3, f4 = rotors
     return lever * (-f1 - f2 + f3 + f4), lever * (-f1 + f2 + f3 - f4), drag * (-f1 + f2 - f3 + f4)
 

@@ -43,7 +43,10 @@ class Now(NamedTuple):
 
 @compiled(**HOT)
 def beside_axis(room: CompiledRoomAir, k: int, tick: int) -> Three:
-    """Return the way from the jet's axis to the vehicle of the k-th pair along x and y, and its fall [m]."""
+    """Return the way from the jet's axis to the vehicle of the k-th pair along x and y, and its fall [m].
+
+    `tick` is that of Now.
+    """
     one, jet_rows, places, i, j = room.numbers, room.jet_rows, room.places, room.receiver[k], room.source[k]
     kept, slope_x, slope_y = one.carried * jet_rows[k, TAU], one.bend_x, one.bend_y
     if one.meander != 0.0:
@@ -60,7 +63,7 @@ def beside_axis(room: CompiledRoomAir, k: int, tick: int) -> Three:
 
 @compiled(**HOT)
 def write_jet_row(room: CompiledRoomAir, k: int, kept: int, tick: int) -> bool:
-    """Write what the k-th vehicle is for the jet into row `kept`; return whether it is in the jet."""
+    """Write what the k-th vehicle is for the jet into jet_rows[kept]; return whether it is in the jet."""
     one, table, jet_rows = room.numbers, room.table, room.jet_rows
     away_x, away_y, dz = beside_axis(room, k, tick)
     spread = max(dz / one.last_gap, 1.0)  # of the self-similar jet below the table
@@ -84,7 +87,10 @@ def write_jet_row(room: CompiledRoomAir, k: int, kept: int, tick: int) -> bool:
 
 @compiled(**HOT)
 def add_pairs_in_reach(found: Rows, room: CompiledRoomAir, j: int, count: int, to: JetReach) -> int:
-    """Add the vehicles in reach of vehicle j to the pairs; return their number."""
+    """Add the vehicles in reach of vehicle j to the `count` pairs; return their number.
+
+    `found` are rows by rising x, those of the neighbour list or of all vehicles.
+    """
     places, near = room.places, room.near
     x, y, z = places[X, j], places[Y, j], places[Z, j]
     for c in range(near.begin[j], near.end[j]):
@@ -99,7 +105,10 @@ def add_pairs_in_reach(found: Rows, room: CompiledRoomAir, j: int, count: int, t
 
 @compiled(**HOT)
 def keep_pairs_in_jet(ring: Array, room: CompiledRoomAir, count: int, now: Now) -> int:
-    """Keep of the pairs those with a vehicle in the jet; return their number."""
+    """Keep of the `count` pairs those with a vehicle in the jet; return their number.
+
+    `ring` (slots, n, ROOM_WIDTH) is that of state_history_ring.
+    """
     for k in range(count):  # all pasts are read before a branch depends on one
         late = room.jet_rows[k, TAU] / room.numbers.step
         recall(ring, now.slot, room.source[k], late, room.jet_rows[k, PAST:])

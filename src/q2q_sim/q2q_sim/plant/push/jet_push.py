@@ -1,6 +1,7 @@
 """Push and torque of all jets of a room on the vehicles in them, compiled (q2q_sim.air.room_air).
 
 For each source, by rising x, the jet acts on each vehicle in it with what those between have transmitted.
+Arguments are those of room_air_push.py; `jet_rows` is that of CompiledRoomAir.
 """
 
 import math
@@ -29,7 +30,7 @@ from q2q_sim.plant.push.neighbour_list import update
 
 @compiled(**HOT)
 def write_transmitted(jet_rows: Array, first: int, end: int, one: RoomNumbers) -> None:
-    """Write the share of a jet that each vehicle in it transmits to those below."""
+    """Write the share of a jet [-] that each vehicle in it, of pairs `first` to `end`, transmits below."""
     for k in range(first, end):
         aside = jet_rows[k, RADIUS] / one.absorbing_width
         taken = max(one.absorbed * math.exp(-0.5 * aside * aside), jet_rows[k, PUSH] / GRAVITY)
@@ -38,7 +39,7 @@ def write_transmitted(jet_rows: Array, first: int, end: int, one: RoomNumbers) -
 
 @compiled(**HOT)
 def edge_torque(jet_rows: Array, k: int, strength: float, one: RoomNumbers) -> tuple[float, float]:
-    """Return the edge torque of a jet about world x and y [N m]."""
+    """Return the edge torque of the k-th pair's jet, of a `strength` [-], about world x and y [N m]."""
     ratio = jet_rows[k, RADIUS] / one.torque_radius
     torque = one.torque * strength * ratio * math.exp(0.5 * (1.0 - ratio * ratio))
     return torque * jet_rows[k, AWAY_Y], -torque * jet_rows[k, AWAY_X]
@@ -46,7 +47,7 @@ def edge_torque(jet_rows: Array, k: int, strength: float, one: RoomNumbers) -> t
 
 @compiled(**HOT)
 def add_torque(state: Array, i: int, tx: float, ty: float) -> None:
-    """Add a torque about world x and y to a vehicle's row, in body axes."""
+    """Add a torque about world x and y [N m] to the row of vehicle i, in body axes."""
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
     state[i, TX] += (1.0 - 2.0 * (y * y + z * z)) * tx + 2.0 * (x * y + w * z) * ty
     state[i, TY] += 2.0 * (x * y - w * z) * tx + (1.0 - 2.0 * (x * x + z * z)) * ty
@@ -55,7 +56,10 @@ def add_torque(state: Array, i: int, tx: float, ty: float) -> None:
 
 @compiled(**HOT)
 def add_source_jet(state: Array, room: CompiledRoomAir, first: int, end: int) -> None:
-    """Add the jet of a source to the vehicles in it, those of the pairs `first` to `end`."""
+    """Add push [m/s^2] and torque [N m] of a source's jet to the vehicles in it, and the push on the source.
+
+    They are those of the pairs `first` to before `end`.
+    """
     one, jet_rows, receiver, j = room.numbers, room.jet_rows, room.receiver, room.source[first]
     absorbing = end > first + 1 and one.absorbed > 0.0
     if absorbing:
@@ -76,7 +80,7 @@ def add_source_jet(state: Array, room: CompiledRoomAir, first: int, end: int) ->
 
 @compiled(**HOT)
 def add_jets(state: Array, ring: Array, rows: Rows, room: CompiledRoomAir) -> None:
-    """Add the jets of all vehicles."""
+    """Add push [m/s^2] and torque [N m] of the jets of all vehicles."""
     n, places = state.shape[0], room.places
     past = update_extremes(state, ring, rows, room.extremes)
     for i in range(n):

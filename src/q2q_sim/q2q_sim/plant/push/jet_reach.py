@@ -83,7 +83,7 @@ def bound_of(jet: JetTerm, ends: Array, lean: float) -> SearchBound:
 
 @compiled(**HOT)
 def reach_of(bound: SearchBound, past: Extremes) -> JetReach:
-    """Return the bound at the extremes of the past."""
+    """Return the bound at the extremes of the past, with which `reach` gives distances [m]."""
     rise = 1.0 + past.fastest / bound.travel_speed
     left = abs(1.0 - bound.carried) * past.fastest / bound.travel_speed
     return JetReach(
@@ -103,7 +103,10 @@ def reach(to: JetReach, gap: float) -> float:
 
 @compiled(**HOT)
 def update_extremes(state: Array, ring: Array, rows: Rows, extremes: Array) -> Extremes:
-    """Raise the extremes to slopes and speeds of this step; return those of the past."""
+    """Raise the extremes (EXTREMES_WIDTH,) to slopes and speeds of this step; return those of the past.
+
+    `state` is (n, STATE_WIDTH); `ring` and `rows` are those of an Air.
+    """
     n, slots = state.shape[0], ring.shape[0]
     period = rows[n] // slots
     slot = rows[n] - period * slots

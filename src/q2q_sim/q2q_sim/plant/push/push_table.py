@@ -57,7 +57,7 @@ def knots_of(at: Array) -> Knots:
 
 @compiled(**HOT)
 def cell(knots: Knots, value: float) -> int:
-    """Return the last cell whose lower end is below `value`, searched from the cell of its bin."""
+    """Return the last cell whose lower end is below `value` [m], searched from the cell of its bin."""
     at, last = knots.at, knots.at.shape[0] - 2
     ahead = value * knots.per_m if value > 0.0 else 0.0  # also of NaN, whose cell is any
     k: int = knots.cells[min(int(ahead), knots.cells.shape[0] - 1)]
@@ -70,7 +70,7 @@ def cell(knots: Knots, value: float) -> int:
 
 @compiled(**HOT)
 def table_push(table: PushTable, a: int, gap: float, radius: float) -> float:
-    """Return P [m/s^2] at a gap in the table's cell a."""
+    """Return P [m/s^2] at a gap [m] in the table's cell a, and a radius [m]."""
     gaps, radii, push = table.gaps.at, table.radii.at, table.push
     b = cell(table.radii, radius)
     along = min(max((gap - gaps[a]) / (gaps[a + 1] - gaps[a]), 0.0), 1.0)

@@ -1,7 +1,8 @@
 """Push and torque of a room's air on every vehicle, compiled: the equations of q2q_sim.air.room_air.
 
 After the jets (jet_push.py), each vehicle feels the residual, the ground and the drag of its rotors, whose
-largest thrusts the load of its rates lowers.
+largest thrusts the load of its rates lowers. `state` is (n, STATE_WIDTH) of state_row.py; `ring` and `rows`
+are those of an Air (swarm_air.py).
 """
 
 from q2q_model.compiled import HOT, compiled
@@ -40,14 +41,14 @@ from q2q_sim.plant.push.jet_push import add_jets
 
 @compiled(**HOT)
 def add_residual(state: Array, i: int, unit: float, one: RoomNumbers) -> None:
-    """Add the turbulence of the jets, `unit` its process, to the push on a vehicle."""
+    """Add the turbulence of the jets, `unit` its process [-], to the push on vehicle i [m/s^2]."""
     eta = abs(state[i, ETA_Z])
     state[i, ETA_Z] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
 
 
 @compiled(**HOT)
 def add_ground_effect(state: Array, i: int, one: RoomNumbers, mass: float) -> None:
-    """Add the ground effect to the push on a vehicle; no jet pushes along x and y."""
+    """Add the ground effect to the push on vehicle i [m/s^2]; no jet pushes along x and y."""
     near = one.rotor_radius / max(state[i, Z], one.ground_from)
     lift = one.ground * near * near * (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / mass
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
@@ -58,7 +59,10 @@ def add_ground_effect(state: Array, i: int, one: RoomNumbers, mass: float) -> No
 
 @compiled(**HOT)
 def add_rotor_drag(state: Array, i: int, per_s: float) -> None:
-    """Add the drag of the rotors to the push on a vehicle: against its velocity across its thrust."""
+    """Add the drag of the rotors, k = `per_s` [1/s], to the push on vehicle i [m/s^2].
+
+    It acts against its velocity across its thrust.
+    """
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
     bx, by, bz = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
     vx, vy, vz = state[i, VX], state[i, VY], state[i, VZ]
@@ -70,7 +74,7 @@ def add_rotor_drag(state: Array, i: int, per_s: float) -> None:
 
 @compiled(**HOT)
 def subtract_rate_load(state: Array, i: int, one: RoomNumbers) -> None:
-    """Subtract the load of a vehicle's rates from its rotors' largest thrusts, ahead by the lag of thrust."""
+    """Subtract the load of vehicle i's rates, ahead by the lag of thrust, from its largest thrusts [N]."""
     rotors = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
     tx, ty, _ = rotor_torque(rotors, one.lever, 0.0)
     roll = one.rate_load * (state[i, P] + one.roll_lead * (tx + state[i, TX]))
@@ -83,7 +87,7 @@ def subtract_rate_load(state: Array, i: int, one: RoomNumbers) -> None:
 
 @compiled(**HOT)
 def clear_push(state: Array, rotor_max: Array, faded: float) -> None:
-    """Write no push, no torque and the largest thrust of each rotor, less what faded, into every state."""
+    """Write no push, no torque and `rotor_max` (n, 4) [N], less what `faded` [N], into every state."""
     for i in range(state.shape[0]):
         for column in range(ETA_Z, ROTOR_MAX1):
             state[i, column] = 0.0

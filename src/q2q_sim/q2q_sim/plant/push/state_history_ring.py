@@ -38,7 +38,7 @@ def empty_ring(shape: tuple[int, ...]) -> Array:
 def recall(ring: Array, now: int, vehicle: int, late: float, columns: Array) -> None:
     """Write a vehicle's columns `late` steps ago (ROOM_WIDTH,), and prefetch those that the next step needs.
 
-    `now` is the present's slot.
+    `ring` is (slots, n, ROOM_WIDTH), and `now` the present's slot.
     """
     whole = int(late)
     old = late - whole
@@ -52,7 +52,10 @@ def recall(ring: Array, now: int, vehicle: int, late: float, columns: Array) -> 
 
 @compiled(**HOT)
 def remember(state: Array, ring: Array, rows: Rows, weight: float) -> None:
-    """Count the step in rows[n] and write its states into slot rows[n] % slots; `weight` is m g [N]."""
+    """Count the step in rows[n], and write its states into slot rows[n] % slots of `ring`.
+
+    `state` is (n, STATE_WIDTH), `rows` (n + 1,), `ring` (slots, n, columns); `weight` is m g [N].
+    """
     n, slots = state.shape[0], ring.shape[0]
     rows[n] += 1
     slot, following = rows[n] % slots, (rows[n] + 1) % slots

@@ -41,7 +41,10 @@ def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int],
 
 @compiled(**BORROWING)
 def wake_law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
-    """Write eta_z of every vehicle into its state."""
+    """Write eta_z [m/s^2] of every vehicle into its row of `state` (n, STATE_WIDTH).
+
+    `ring`, `rows` and `kind` are those of an Air; `step` is physics' [s].
+    """
     n = state.shape[0]
     lowest, highest = state[0, Z], state[0, Z]
     for i in range(n):
