@@ -15,7 +15,10 @@ from q2q_model.vehicle.constants import GRAVITY
 
 @compiled
 def thrust_acc_of_quat(quat: Array, thrust: Array, mass: float) -> Array:
-    """Return the acceleration by thrust (n,) [N] of attitudes `quat` (n, 4) [m/s^2], world, (n, 3)."""
+    """Return the acceleration by thrust (n,) [N] of attitudes `quat` (n, 4) [m/s^2], world, (n, 3).
+
+    `mass` is that of a vehicle [kg].
+    """
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
         x, y, z, w = quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3]
@@ -30,7 +33,7 @@ def thrust_acc_of_quat(quat: Array, thrust: Array, mass: float) -> Array:
 def thrust_acc_of_command(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
     """Return the acceleration by thrust of commands at the yaw of `quat` (n, 4) [m/s^2], world, (n, 3).
 
-    A command is thrust [N], roll and pitch [rad], (n,) each.
+    A command is thrust [N], roll and pitch [rad], (n,) each; `mass` is that of a vehicle [kg].
     """
     thrust, roll, pitch = command
     acc = np.empty((thrust.size, 3))

@@ -74,7 +74,7 @@ class StateHistory:
 
 @compiled
 def states_at(times: Array, states: Array, t: Array, vehicles: Rows) -> Array:
-    """Return rows (p, c) of states (K, n, c) at times t (p,) [s], linearly interpolated between times (K,).
+    """Return rows (p, c) of `vehicles` (p,) in states (K, n, c) at t (p,) [s], linear between times (K,) [s].
 
     Times outside take the first or the last state.
     """

@@ -62,7 +62,10 @@ def run_in_law(state: Array, air: LawAir, commands: Array, drive: Array, body: P
 
 @compiled(**BORROWING)
 def write_wake_law_push(state: Array, air: LawAir, step: float, push: Array) -> None:
-    """Write the push of a wake law on every vehicle [m/s^2], (n, 3), into `push`; `step` is physics' [s]."""
+    """Write the push of a wake law on the vehicles of `state` [m/s^2], world, (n, 3), into `push`.
+
+    `step` is physics' [s].
+    """
     kind, ring, rows = air
     wake_law_push(state, ring, rows, kind, step)
     for i in range(state.shape[0]):
@@ -71,7 +74,7 @@ def write_wake_law_push(state: Array, air: LawAir, step: float, push: Array) -> 
 
 @compiled(**BORROWING)
 def write_push(state: Array, air: Air, body: Body, push: Array) -> None:
-    """Write the push of the air on every vehicle [m/s^2], (n, 3), into `push`."""
+    """Write the push of the air on the vehicles of `state` [m/s^2], world, (n, 3), into `push`."""
     air_push(state, air, body)
     for i in range(state.shape[0]):
         push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA_Z]

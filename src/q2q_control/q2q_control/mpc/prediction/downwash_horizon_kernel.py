@@ -144,7 +144,7 @@ def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: 
 def add_pair(law: Array, weight: Array, gradients: tuple[Rows, float], p: int, out: DownwashHorizon) -> None:
     """Add the downwash (m, N, 3) of pair p at all places to `out.eta`, and write its gradients.
 
-    `gradients` are `moves` and `slope_max` of `sum_downwash`.
+    `weight` is as in `sum_downwash`; `gradients` are its `moves` and `slope_max`.
     """
     moves, slope_max = gradients
     i, j = out.i[p], out.j[p]

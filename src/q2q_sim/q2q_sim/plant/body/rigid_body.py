@@ -26,7 +26,10 @@ def acceleration(quat: Four, rotors: Four, push: Three, mass: float) -> Three:
 
 @compiled(**BORROWING)
 def rate_after(rate: Three, torque: Three, inertia: AxisValues, step: float) -> Three:
-    """Return the body rates [rad/s] after a step [s] under the torque [N m], body, of rotors and air."""
+    """Return the body rates [rad/s] after a step [s] under the torque of rotors and air [N m], body.
+
+    `inertia` is that about x, y, z [kg m^2].
+    """
     p, q, r = rate
     ix, iy, iz = inertia[0], inertia[1], inertia[2]
     return (
