@@ -27,7 +27,7 @@ from q2q_sim.ros.simulator_node import Simulator
 
 CUT = "motors cut by all/emergency: restart this node to fly"
 LOST = (
-    "motors cut, not measured for cut_s, until a new flight: "
+    "motors cut, not measured for cut_after_s, until a new flight: "
     "restart this node, or set stamps back by more than 1 s"
 )
 
@@ -97,7 +97,7 @@ def test_a_lost_vehicle_is_reported_phase_by_phase_and_its_cut_is_an_error() -> 
 def test_a_vehicle_cut_for_want_of_measurements_flies_again_when_it_is_said_to(
     back: float, flies: bool
 ) -> None:
-    node, wiring = controller(cut_s=1.5)
+    node, wiring = controller(cut_after_s=1.5)
     fly(node, 0.0, 2.2, lost_since=0.5)
     first = 2.19 - back
     fly(node, first, first + 0.2)

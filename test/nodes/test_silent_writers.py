@@ -115,9 +115,9 @@ def test_the_death_of_a_writer_leads_through_the_fallback_phases(scene: Scene, b
     os.kill(scene.writer.pid, blow)
     params = FallbackParams()
     phases = {
-        CommandStatus.HOLD: params.hold_s,
-        CommandStatus.LEVEL: params.level_s,
-        CommandStatus.LAND: params.land_s,
+        CommandStatus.HOLD: params.hold_after_s,
+        CommandStatus.LEVEL: params.level_after_s,
+        CommandStatus.LAND: params.land_after_s,
     }
     for status, age in phases.items():
         scene.until_answered(status, age)

@@ -198,7 +198,7 @@ def test_vehicles_land_before_they_fall_where_no_downwash_comes_any_more(
 
 HOVER, FLIGHT = (Call.TAKE_OFF,), (Call.TAKE_OFF, Call.FLY)
 LONGEST_S = 3.0 + 5.0
-"""Wait for a landing: land_s and step_timeout_s [s]."""
+"""Wait for a landing: landing_duration_min and step_timeout_s [s]."""
 
 
 @pytest.mark.parametrize("calls", [HOVER, FLIGHT], ids=["hover", "flight"])

@@ -47,7 +47,7 @@ LIVE = {"live": True}
 TIMEOUT_S = 120.0
 """All nodes of a flight on a busy machine [s]."""
 PATIENT = {
-    "pid": {"land_s": 60.0, "cut_s": 120.0},
+    "pid": {"land_after_s": 60.0, "cut_after_s": 120.0},
     "radio": {"command_timeout_land_s": 60.0, "command_timeout_stop_s": 120.0, "setpoint_timeout_s": 60.0},
 }
 """Parameters with which no node lands because another stood still on a busy machine."""

@@ -14,14 +14,14 @@ stamps are known to be of a clock that was set back."""
 class FallbackParams:
     """Ages at which the fallback phases change."""
 
-    degraded_s: float = tunable(
+    degraded_after_s: float = tunable(
         0.05, "age from which a state counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
     )
-    hold_s: float = tunable(
+    hold_after_s: float = tunable(
         0.03, "live: time without a tick until the last command is repeated", unit="s", low=0.0, high=1.0,
         read_only=True,
     )  # fmt: skip
-    level_s: float = tunable(
+    level_after_s: float = tunable(
         LONGEST_HOLD_S,
         "live: time without a tick until vehicles hover level",
         unit="s",
@@ -29,10 +29,10 @@ class FallbackParams:
         high=1.0,
         read_only=True,
     )
-    land_s: float = tunable(
+    land_after_s: float = tunable(
         1.0, "age of its state from which a vehicle is landed", unit="s", low=0.1, high=60.0, read_only=True
     )
-    cut_s: float = tunable(
+    cut_after_s: float = tunable(
         5.0,
         "age of its state from which a vehicle's motors are off, until a new flight",
         unit="s",
@@ -47,8 +47,9 @@ class FallbackParams:
     def __post_init__(self) -> None:
         """Refuse values out of bounds or out of order."""
         check_bounds(self)
-        if not self.hold_s <= self.level_s <= self.land_s <= self.cut_s:
+        if not self.hold_after_s <= self.level_after_s <= self.land_after_s <= self.cut_after_s:
             raise ValueError(
-                f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
+                f"hold_after_s {self.hold_after_s}, level_after_s {self.level_after_s}, "
+                f"land_after_s {self.land_after_s}, cut_after_s {self.cut_after_s}: "
                 "these must rise"
             )

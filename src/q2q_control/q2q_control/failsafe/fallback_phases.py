@@ -3,11 +3,11 @@
 | phase | from an age of | command | CommandStatus |
 |---|---|---|---|
 | ok | 0 | the controller's | OK, SATURATED |
-| degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
-| hold | no usable state; or no tick for hold_s | the last command again | HOLD |
-| level | last_commands' hold_duration; or no tick for level_s | level or braking, hover thrust | LEVEL |
-| land | land_s | level or braking, below hover thrust: descends | LAND |
-| cut | cut_s, until a new flight; or an emergency, for good | motors off | CUT |
+| degraded | degraded_after_s | the controller's, on a predicted state | DEGRADED |
+| hold | no usable state; or no tick for hold_after_s | the last command again | HOLD |
+| level | hold_duration (last_commands); no tick for level_after_s | level or braking, hover thrust | LEVEL |
+| land | land_after_s | level or braking, below hover thrust: descends | LAND |
+| cut | cut_after_s, until a new flight; or an emergency, for good | motors off | CUT |
 
 The age is the time since the newest accepted measurement, by the stamps and ages in the messages
 (q2q_control.failsafe.guard), never a count of messages. The firmware's own watchdog levels after 0.5 s
@@ -41,7 +41,7 @@ def fallback_command(
         hover_thrust: thrust of one vehicle at hover [N].
     """
     count = len(last.names)
-    if age < params.level_s:
+    if age < params.level_after_s:
         return replace(last, t=last.t + age, status=_all(count, CommandStatus.HOLD))
     zero = np.zeros(count)
     return SwarmCommand(
@@ -91,7 +91,7 @@ def apply_land_and_cut(
         params: ages at which the phases change.
         hover_thrust: thrust of one vehicle at hover [N].
     """
-    landing = ~(ages < params.land_s)  # NaN too
+    landing = ~(ages < params.land_after_s)  # NaN too
     if not (landing.any() or is_cut.any()):
         return command
     still = landing | is_cut

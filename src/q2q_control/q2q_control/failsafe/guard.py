@@ -30,9 +30,10 @@ A tick that is not newer than the last one, or far ahead for less than CONFIRM_S
 | older, or newer by more than AHEAD_S | the last command, as HOLD, under its own stamp |
 | older, in a long run of rising ones | the clock was set back: the controller is reset, ages continue |
 | the same, back by more than SET_BACK_S | a new flight: everything is reset but an emergency |
-| not newer for level_s | that of a missing tick, LEVEL at most: in a halted simulator nobody lands |
+| not newer for level_after_s | that of a missing tick, LEVEL at most: in a halted simulator nobody lands |
 
-The runs are those of q2q_model.signals.clock_resets, as in the mocap filter; stalled_stamps counts level_s.
+The runs are those of q2q_model.signals.clock_resets, as in the mocap filter; level_after_s is counted by
+stalled_stamps.
 Live, a timer asks for the commands of missing ticks: the same or an older tick gets the latest of these.
 """
 
@@ -161,9 +162,9 @@ class Guard:
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
-        """Return the command due `age` [s] after the last tick; None before hold_s."""
+        """Return the command due `age` [s] after the last tick; None before hold_after_s."""
         last, self._timed = self._last, True
-        return None if last is None or age < self._params.hold_s else self._fallen_back(last, age)
+        return None if last is None or age < self._params.hold_after_s else self._fallen_back(last, age)
 
     def _evaded(self, state: SwarmState, setpoint: SwarmSetpoint) -> SwarmSetpoint:
         """Return the setpoint after descent evasion; itself while nobody falls back nor evades."""
@@ -191,7 +192,7 @@ class Guard:
     def _fallen_back(self, last: SwarmCommand, age: float) -> SwarmCommand:
         """Return the command by the phases alone, `age` [s] after the last one."""
         ages = last.t - self._measured_at + age
-        self._is_cut = self._is_cut | ~(ages < self._params.cut_s) | self._emergency
+        self._is_cut = self._is_cut | ~(ages < self._params.cut_after_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
         self._was_nominal = False
         descending = apply_land_and_cut(held, ages, self._is_cut, self._params, self._hover_thrust)
@@ -208,8 +209,8 @@ class Guard:
         if t < last.t and self._clock_reset.confirm_reset(t):
             self._set_back(last, t)
             return None
-        if stalled_s > self._params.level_s + SAME_INSTANT and not self._timed:
-            braked = self._fallen_back(last, min(stalled_s, nextafter(self._params.land_s, 0.0)))
+        if stalled_s > self._params.level_after_s + SAME_INSTANT and not self._timed:
+            braked = self._fallen_back(last, min(stalled_s, nextafter(self._params.land_after_s, 0.0)))
             return replace(braked, t=t)
         return repeated_command(self._missing or last, t) if t != last.t or counted else None
 
@@ -245,7 +246,7 @@ class Guard:
         if state.names != self._names and (state.status == LOST).any():
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        times = TickTimes(command.t, state_delay, self._params.degraded_s)
+        times = TickTimes(command.t, state_delay, self._params.degraded_after_s)
         track = state.status if state.names == command.names else _track(state, command.names)
         given = StateAndCommand(age.copy(), track.copy(), values, command.status)
         return note_nominal(times, given, (self._is_cut, self._measured_at))
@@ -253,7 +254,7 @@ class Guard:
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command, or soon will, by the state."""
         level = {last.names[row] for row in np.flatnonzero(is_blind(last.status))}
-        lost = np.flatnonzero((state.status == LOST) & (state.age < self._params.cut_s))
+        lost = np.flatnonzero((state.status == LOST) & (state.age < self._params.cut_after_s))
         return tuple(sorted(level.union(state.names[row] for row in lost)))
 
     def _with_fallback(self, command: SwarmCommand, state_age: Array) -> SwarmCommand:
@@ -265,8 +266,8 @@ class Guard:
             sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
         )
         ages = command.t - self._measured_at
-        self._is_cut = self._is_cut | ~(ages < self._params.cut_s) | self._emergency
-        predicted = sound & ~(ages < self._params.degraded_s)
+        self._is_cut = self._is_cut | ~(ages < self._params.cut_after_s) | self._emergency
+        predicted = sound & ~(ages < self._params.degraded_after_s)
         status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
         flagged = replace(command, status=status)
         return apply_land_and_cut(flagged, ages, self._is_cut, self._params, self._hover_thrust)

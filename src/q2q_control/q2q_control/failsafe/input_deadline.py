@@ -2,12 +2,12 @@
 
 | missing | command |
 |---|---|
-| downwash or reference, for hold_s, while states arrive | the controller's, for a hover at the setpoint |
-| states, for hold_s | the guard's fallback by age: hold, level, land, cut |
+| downwash or reference for hold_after_s, while states come | the controller's, for a hover at the setpoint |
+| states, for hold_after_s | the guard's fallback by age: hold, level, land, cut |
 | newer stamps: frames are repeated | the same fallback |
 
-The first two take hold_s and one timer period (30 + 10 ms), well within the firmware's watchdog (500 ms).
-Times are arguments: a test or a replay has its own clock.
+The first two take hold_after_s and one timer period (30 + 10 ms), well within the firmware's watchdog
+(500 ms). Times are arguments: a test or a replay has its own clock.
 """
 
 from dataclasses import replace
@@ -44,7 +44,7 @@ class InputDeadline:
         age = now - self._at
         if self._setpoint is None:
             return None
-        if age >= self.params.hold_s and state is not None and state.t > self._stamp:
+        if age >= self.params.hold_after_s and state is not None and state.t > self._stamp:
             command = self._hovering(state, self._setpoint, now)
             if self._guard.newest == state.t:
                 return command
@@ -54,7 +54,7 @@ class InputDeadline:
         zero = np.zeros_like(setpoint.pos)
         still = replace(setpoint, t=state.t, vel=zero, acc=zero, yaw_rate=np.zeros_like(setpoint.yaw_rate))
         command = self._guard.update(state, still, None)
-        self.answered(still, now - self.params.hold_s)  # use the next state at once
+        self.answered(still, now - self.params.hold_after_s)  # use the next state at once
         sound = command.status <= CommandStatus.SATURATED
         return replace(
             command, status=np.where(sound, CommandStatus.DEGRADED, command.status).astype(np.uint8)

@@ -16,7 +16,7 @@ from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCo
 
 EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
 FAILSAFE_CUT = (
-    "motors cut, not measured for cut_s, until a new flight: "
+    "motors cut, not measured for cut_after_s, until a new flight: "
     f"restart this node, or set stamps back by more than {SET_BACK_S:g} s"
 )
 SETTLED_S = 10.0

@@ -19,7 +19,7 @@ from math import inf
 WINDOW_S = 2.0
 """Length of a window [s]: longer than any hold, so that a delay is detected at once."""
 MOST_S = 0.5
-"""Largest lateness returned [s]: below land_s of q2q_control.failsafe.fallback_phases."""
+"""Largest lateness returned [s]: below land_after_s of q2q_control.failsafe.fallback_phases."""
 
 
 class StampDelayMonitor:

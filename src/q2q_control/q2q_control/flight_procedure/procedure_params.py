@@ -16,7 +16,7 @@ class LandingParams:
     """Age at which a state is stale, and duration of a landing."""
 
     stale_s: float = tunable(0.1, "age from which a vehicle's state is stale", unit="s", low=0.01, high=2.0)
-    land_s: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
+    landing_duration_min: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
     # a landing's polynomial peaks at 2.19 times its mean; the firmware's PID descends at 1 m/s at most
     land_speed: float = tunable(0.4, "largest mean speed of a landing", unit="m/s", low=0.05, high=5.0)
 
@@ -26,7 +26,7 @@ class LandingParams:
 
     def duration(self, height: float) -> float:
         """Return the duration of a landing from a height [m] [s]."""
-        return max(self.land_s, height / self.land_speed)
+        return max(self.landing_duration_min, height / self.land_speed)
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,7 +67,11 @@ def test_young_knowledge_changes_nothing() -> None:
 
 @pytest.mark.parametrize(
     "ages",
-    [{"hold_s": 0.2, "level_s": 0.1}, {"level_s": 0.9, "land_s": 0.5}, {"land_s": 2.0, "cut_s": 1.0}],
+    [
+        {"hold_after_s": 0.2, "level_after_s": 0.1},
+        {"level_after_s": 0.9, "land_after_s": 0.5},
+        {"land_after_s": 2.0, "cut_after_s": 1.0},
+    ],
 )
 def test_ages_out_of_order_are_refused(ages: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must rise"):
@@ -75,7 +79,7 @@ def test_ages_out_of_order_are_refused(ages: dict[str, float]) -> None:
 
 
 def test_phases_may_begin_together() -> None:
-    assert FallbackParams(hold_s=0.1, level_s=0.1).hold_s == 0.1
+    assert FallbackParams(hold_after_s=0.1, level_after_s=0.1).hold_after_s == 0.1
 
 
 def test_a_command_in_the_firmwares_units_is_pitch_roll_yaw_rate_in_degrees_and_pwm() -> None:

@@ -74,7 +74,7 @@ def test_a_clock_set_back_does_not_age_who_was_just_seen() -> None:
         t = begin + k * TICK
         output = guard.update(state_at(t, (np.inf, 0.0), coast=0.35), setpoint_at(t), None)
         statuses.append(output.status[0])
-    assert statuses.index(LAND) == pytest.approx((PARAMS.land_s - 0.19) / TICK, abs=1)
+    assert statuses.index(LAND) == pytest.approx((PARAMS.land_after_s - 0.19) / TICK, abs=1)
 
 
 def test_a_flight_that_begins_again_is_another_one() -> None:
@@ -155,7 +155,7 @@ def test_a_tick_that_comes_for_longer_than_a_hold_is_that_of_a_clock_that_stands
     last = fly(guard, 0, 50)[-1]
     moving = replace(state_at(last.t), vel=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
     again = [guard.update(moving, setpoint_at(last.t), None) for _ in range(500)]
-    held = round(PARAMS.level_s / TICK)
+    held = round(PARAMS.level_after_s / TICK)
     for one in again[:held]:  # published again: the same answer
         assert one.status.tolist() == [OK, OK]
         np.testing.assert_array_equal(one.pitch, last.pitch)

@@ -68,7 +68,7 @@ def test_a_vehicle_evades_a_lost_one_as_soon_as_it_is_lost_until_that_is_cut(
     assert [moved(k * TICK, k * TICK - 0.04) for k in range(5, 39)] == [0.0] * 34  # it coasts
     assert [moved(k * TICK, k * TICK - 0.04) for k in range(41, 43)][-1] < 0.0
     assert [moved(k * TICK, k * TICK - 0.04) for k in range(43, 200)][-1] < -0.25
-    after_cut = PARAMS.cut_s + 0.1
+    after_cut = PARAMS.cut_after_s + 0.1
     assert abs([moved(k * TICK, after_cut) for k in range(200, 750)][-1]) < 0.01
 
 
@@ -85,7 +85,7 @@ def test_vehicles_that_flew_level_without_ticks_climb_where_they_are_measured_ag
         t = 0.05 + gap + k * TICK
         guard.update(replace(state_at(t), pos=sunk), replace(setpoint_at(t), pos=plan), None)
     climbing = np.column_stack((sunk[:, :2], plan[:, 2]))
-    np.testing.assert_array_equal(controller.given[-1].pos, climbing if gap > PARAMS.level_s else plan)
+    np.testing.assert_array_equal(controller.given[-1].pos, climbing if gap > PARAMS.level_after_s else plan)
 
 
 def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> None:

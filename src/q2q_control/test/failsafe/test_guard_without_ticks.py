@@ -78,7 +78,7 @@ def test_without_ticks_a_swarm_that_flew_brakes_to_rest_and_one_that_hovered_sta
             guard.update(moving, setpoint_at(k * TICK), None)
         vel, most = speed, 0.0
         for k in range(1, 300):
-            output = guard.without_tick(max(k * TICK, PARAMS.hold_s))
+            output = guard.without_tick(max(k * TICK, PARAMS.hold_after_s))
             assert output is not None
             vel += TICK * GRAVITY * np.tan(output.pitch[0])
             most = max(most, abs(float(output.pitch[0])))

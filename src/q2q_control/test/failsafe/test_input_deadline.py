@@ -113,7 +113,7 @@ def test_an_old_tick_is_no_news_and_that_of_a_clock_set_back_is() -> None:
     guard, deadline = answered_ticks(10)
     guard.update(state_at(0.07), setpoint_at(0.07), None)
     deadline.answered(setpoint_at(0.07), now=100.10)
-    held = deadline.due(state_at(0.07), now=100.09 + PARAMS.hold_s + 0.001)
+    held = deadline.due(state_at(0.07), now=100.09 + PARAMS.hold_after_s + 0.001)
     assert held is not None
     assert held.status.tolist() == [HOLD] * 2
     now = 100.2

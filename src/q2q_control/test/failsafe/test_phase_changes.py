@@ -105,4 +105,4 @@ def test_phases_are_those_of_names_not_of_rows() -> None:
 def test_a_cut_says_who_gave_it_and_what_to_do() -> None:
     by_call = cut_reason(NAMES, emergency=True)
     assert by_call == "cf1, cf2: motors cut by all/emergency: restart this node to fly"
-    assert cut_reason(("cf1",), emergency=False).startswith("cf1: motors cut, not measured for cut_s")
+    assert cut_reason(("cf1",), emergency=False).startswith("cf1: motors cut, not measured for cut_after_s")

@@ -215,10 +215,10 @@ def test_vehicles_that_sink_slowly_through_the_last_centimetres_have_not_landed(
     height = Polynomial([1.0, 0.0, 0.0, -10.0, 15.0, -6.0])
 
     def motion(t: float) -> Array:
-        return np.array([[0.0, 0.0, HEIGHT * height(min(t / LANDING.land_s, 1.0))]] * 2)
+        return np.array([[0.0, 0.0, HEIGHT * height(min(t / LANDING.landing_duration_min, 1.0))]] * 2)
 
-    landed = Hover(motion, height=0.0).arrives_in(LANDING.land_s + 1.0)
-    assert LANDING.land_s <= landed <= LANDING.land_s + PARAMS.settle_s
+    landed = Hover(motion, height=0.0).arrives_in(LANDING.landing_duration_min + 1.0)
+    assert LANDING.landing_duration_min <= landed <= LANDING.landing_duration_min + PARAMS.settle_s
 
 
 @pytest.mark.parametrize("settle_s", [0.5, 1.0])

@@ -41,16 +41,16 @@ def land(bench: Bench) -> float:
     return bench.sent[-1].duration
 
 
-SLOW = [LandingParams(land_s=land_s) for land_s in (3.0, 12.0, 30.0, 60.0)]
+SLOW = [LandingParams(landing_duration_min=duration) for duration in (3.0, 12.0, 30.0, 60.0)]
 
 
 @pytest.mark.parametrize("settle_s", [0.5, 1.0])
-@pytest.mark.parametrize("landing", SLOW, ids=[f"land_s={one.land_s:g}" for one in SLOW])
+@pytest.mark.parametrize("landing", SLOW, ids=[f"{one.landing_duration_min:g} s" for one in SLOW])
 def test_no_motors_stop_during_a_slow_descent(landing: LandingParams, settle_s: float) -> None:
     """They were stopped at 7 cm after 20.5 of 30 s, and at 4 cm with the shortest settle_s in 12 s."""
     bench = hovering(landing, 0.5, settle_s)
     duration, began = land(bench), bench.t
-    assert duration == landing.land_s
+    assert duration == landing.landing_duration_min
     descend(bench, duration, duration + 2.0)
     assert Act.DISARM in bench.acts
     assert duration <= bench.t - began <= duration + settle_s + 2.0 * STEP
@@ -84,7 +84,7 @@ def test_a_landing_from_high_up_that_does_not_come_down_fails_after_its_duration
 
 
 def test_vehicles_that_stand_on_the_ground_wait_for_the_end_of_a_landing_that_is_given_anew() -> None:
-    bench = hovering(LandingParams(land_s=12.0), 0.5, PARAMS.settle_s)
+    bench = hovering(LandingParams(landing_duration_min=12.0), 0.5, PARAMS.settle_s)
     land(bench)
     bench.wait(12.0 + PARAMS.step_timeout_s + 0.1)
     assert not bench.answer().granted
@@ -98,7 +98,7 @@ def test_vehicles_that_stand_on_the_ground_wait_for_the_end_of_a_landing_that_is
 
 
 def test_vehicles_that_land_slowly_by_themselves_are_disarmed_at_its_end() -> None:
-    bench = hovering(LandingParams(land_s=30.0), 0.5, PARAMS.settle_s)
+    bench = hovering(LandingParams(landing_duration_min=30.0), 0.5, PARAMS.settle_s)
     assert bench.asked(Call.FLY, 3.0).granted
     bench.reports = tuple(replace(one, flies=False) for one in bench.reports)
     bench.wait(STEP)
@@ -109,7 +109,7 @@ def test_vehicles_that_land_slowly_by_themselves_are_disarmed_at_its_end() -> No
 
 
 def test_vehicles_whose_motors_were_cut_are_disarmed_once_they_rest() -> None:
-    bench = hovering(LandingParams(land_s=30.0), 0.5, PARAMS.settle_s)
+    bench = hovering(LandingParams(landing_duration_min=30.0), 0.5, PARAMS.settle_s)
     assert bench.asked(Call.FLY, 3.0).granted
     bench.reports = tuple(replace(one, flies=False, cut=True) for one in bench.reports)
     bench.move(HOME)

@@ -71,10 +71,10 @@ def test_an_mpc_of_both_compensates_the_downwash_of_its_own_vehicle_without_atti
 def test_the_vehicle_itself_is_level_then_lands_and_is_cut_and_the_other_flies(
     controller: Callable[[], Controller],
 ) -> None:
-    made = commands(controller(), NAMES, seen(round(PARAMS.cut_s / DT) + 10, -1.0))
+    made = commands(controller(), NAMES, seen(round(PARAMS.cut_after_s / DT) + 10, -1.0))
     status = np.array([one.status for one in made])
     ages = DT * np.arange(len(made)) + 1e-9
-    land, cut = ages >= PARAMS.land_s, ages >= PARAMS.cut_s
+    land, cut = ages >= PARAMS.land_after_s, ages >= PARAMS.cut_after_s
     np.testing.assert_array_equal(status[:, 1], np.where(cut, CUT, np.where(land, LAND, LEVEL)))
     assert set(status[:, 0].tolist()) <= {OK, SATURATED}
     assert max(abs(one.thrust[1]) for one in made) <= HOVER

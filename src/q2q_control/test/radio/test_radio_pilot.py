@@ -109,7 +109,7 @@ def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s(
     low.pos[:, 2] = [0.5, 2.0]
     bench.pilot.update_state(low, bench.t)
     bench.pilot.land(bench.t)
-    least = LandingParams().land_s
+    least = LandingParams().landing_duration_min
     assert [bench.links[name].sent[-1] for name in NAMES] == [("land", 0.0, least), ("land", 0.0, 2.0 / 0.4)]
     assert bench.pilot.landing_left(bench.t) == 2.0 / 0.4
 

@@ -18,7 +18,7 @@ SET_BACK_S = 1.0
 AHEAD_S = 1.0
 """Step ahead beyond which a stamp may be wrong [s]. A wrong one that is ahead by less ages all states by its
 step until old stamps have risen and tracks are found again, for 0.3 s at most; by 0.8 s or more, vehicles
-land meanwhile (land_s of q2q_control.failsafe.fallback_phases)."""
+land meanwhile (land_after_s of q2q_control.failsafe.fallback_phases)."""
 CONFIRM_S = 0.1
 """Time for which old stamps, or those far ahead, must have increased [s]: as long as a command holds
 (q2q_control.failsafe.fallback_params), and longer than the bursts in which a network delivers frames."""

@@ -8,9 +8,9 @@
 | was never measured | from the first to the last, or to CUT, LEVEL or LAND |
 | was flown blind to the end | the last is LAND |
 
-The failsafe (q2q_control.failsafe.fallback_phases) cuts after LAND, after LEVEL where land_s is cut_s, or
-after HOLD where a clock was set ahead by seconds, and an emergency stop at any time: a cut right after one of
-these, or after a gap in the recording, is reported without a cause.
+The failsafe (q2q_control.failsafe.fallback_phases) cuts after LAND, after LEVEL where land_after_s is
+cut_after_s, or after HOLD where a clock was set ahead by seconds, and an emergency stop at any time: a cut
+right after one of these, or after a gap in the recording, is reported without a cause.
 
 Only the whole recording shows that a vehicle was never measured, and only a part up to its end how it ended.
 A vehicle has C recorded commands; ticks without one do not count.

@@ -52,7 +52,7 @@ def test_a_vehicle_that_is_flown_blind_to_the_end_is_reported() -> None:
     [
         (CommandStatus.SATURATED, " by an emergency stop"),
         (CommandStatus.DEGRADED, " by an emergency stop"),
-        (CommandStatus.LEVEL, ""),  # as where land_s is cut_s
+        (CommandStatus.LEVEL, ""),  # as where land_after_s is cut_after_s
         (CommandStatus.HOLD, ""),  # as where a clock was set ahead by seconds
         (CommandStatus.LAND, ""),
     ],

@@ -2,7 +2,7 @@
 
 | violation | statement that it breaks |
 |---|---|
-| stale_reported_ok | a command on a state of a vehicle older than `degraded_s` is not OK |
+| stale_reported_ok | a command on a state of a vehicle older than `degraded_after_s` is not OK |
 | repeat_reported_ok | a command repeated at another tick is not OK, except where a newer state is the same |
 | hold_too_long | who is not lost is held or level for HOLD_S at most, once more for every clock set back |
 """
@@ -19,7 +19,7 @@ from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks, o
 from q2q_sim.campaigns.random_runs.random_run import Run
 from q2q_sim.monitors.policies import Violation
 
-OK_AGE_MAX = FallbackParams().degraded_s + TICK_S
+OK_AGE_MAX = FallbackParams().degraded_after_s + TICK_S
 """Largest age of a state on which a command may be OK [s]."""
 HOLD_S = PidParams().hold_duration + 3.0 * TICK_S
 """Longest hold [s]: hold_duration, and the ticks in which it begins and ends."""
