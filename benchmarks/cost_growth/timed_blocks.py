@@ -90,7 +90,7 @@ class _Given:
 
 def timed_blocks(scene: Scene) -> list[TimedBlock]:
     """Return new blocks for a scene."""
-    made = [_filter, _interference, _trajectory, _potential_field, _safe, _pid, _guard, _blind_guard]
+    made = [_filter, _interference, _trajectory, _potential_field, _safe, _pid, _guard, _guard_in_fallback]
     made += [_mpc] if len(scene.scenario.names) <= MOST_MPC else []
     return [*(one(scene) for one in [*made, _simulator]), *_message(scene)]
 
@@ -186,7 +186,7 @@ def _guard(scene: Scene) -> TimedBlock:
     return _by_pairs("guard", scene, make)
 
 
-def _blind_guard(scene: Scene) -> TimedBlock:
+def _guard_in_fallback(scene: Scene) -> TimedBlock:
     """Return the guard of a room whose cameras have stopped: it flies every vehicle by dead reckoning."""
 
     def make(_: Names) -> Made:

@@ -98,9 +98,9 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
         CommandStatus.LAND,
     }
     before = int(np.searchsorted(trace.t, no_state))
-    blind = {CommandStatus.LEVEL, CommandStatus.LAND}
+    fallbacks = {CommandStatus.LEVEL, CommandStatus.LAND}
     by_vehicle = np.array(statuses(tmp_path / "bag", after=0.0, before=no_state)).T
-    never_level = np.array([blind.isdisjoint(given) for given in by_vehicle.tolist()])
+    never_level = np.array([fallbacks.isdisjoint(given) for given in by_vehicle.tolist()])
     hover = np.array(
         [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]]
     )  # level for lack of states, a vehicle may rise or sink

@@ -3,8 +3,8 @@
 import numpy as np
 from resting_signals import resting_setpoint, resting_state
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.climb_back import InFallback
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import levels_or_lands
 from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
 
 TICK = 0.01
@@ -23,12 +23,12 @@ def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> Swa
     return resting_setpoint(t, names_of(n), pos, vel=zero if vel is None else vel)
 
 
-def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> InFallback:
+def flown(n: int, *lost: int, how: CommandStatus = CommandStatus.LEVEL) -> InFallback:
     """Return the vehicles in fallback if the last tick's command has this status for these rows."""
     status = np.full(n, CommandStatus.OK, dtype=np.uint8)
-    status[list(blind)] = how
-    blind, cut = is_blind(status), status == CommandStatus.CUT
-    return InFallback(*(tuple(names_of(n)[row] for row in np.flatnonzero(rows)) for rows in (blind, cut)))
+    status[list(lost)] = how
+    level, cut = levels_or_lands(status), status == CommandStatus.CUT
+    return InFallback(*(tuple(names_of(n)[row] for row in np.flatnonzero(rows)) for rows in (level, cut)))
 
 
 def names_of(n: int) -> tuple[str, ...]:

@@ -49,7 +49,7 @@ class Bench:
     setpoint_vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
     seen_at: float = 100.0
     heard_at: float = 100.0
-    blind: bool = False
+    unmeasured: bool = False
     ignore_signals: bool = False
     reports: tuple[VehicleReport, ...] = (WELL, replace(WELL, name="cf2"))
     plan: PlanOutline | None = PLAN
@@ -82,7 +82,7 @@ class Bench:
         """Let time pass and carry out what is ordered."""
         for _ in range(round(seconds / STEP)):
             self.t += STEP
-            self.seen_at = self.seen_at if self.blind else self.t
+            self.seen_at = self.seen_at if self.unmeasured else self.t
             if not self.ignore_signals:
                 self.heard_at = self.t
                 self.procedure.take_setpoint(self.setpoint_pos)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from resting_signals import level_command
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
-from q2q_control.failsafe.blind_flight.dead_reckoning import (
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.tracking_loss.dead_reckoning import (
     LAG_S,
     THRUST_LAG_S,
     TILT_SQUARE,

@@ -1,1 +1,1 @@
-"""Failsafe: guard, fallback phases, blind flight, evasion."""
+"""Failsafe: guard, fallback phases, flight without measurements, evasion."""

@@ -18,7 +18,7 @@ is cut flies on; a cut is final, also for one that is not commanded meanwhile.
 | l | lateness | delay of the tick beyond the usual one, live only; below -AHEAD_S a clock set ahead [s] |
 
 A vehicle without measurements is flown on its dead-reckoned state while the controller still flies it, and
-brakes once it flies level (q2q_control.failsafe.blind_flight). Measured vehicles below one that the state
+brakes once it flies level (q2q_control.failsafe.tracking_loss). Measured vehicles below one that the state
 reports as LOST move aside, also if another controller flies it: that takes the same fallback. Measured again,
 a vehicle returns to the height of its setpoint before it follows that (q2q_control.failsafe.evasion).
 
@@ -45,7 +45,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.controller import Controller
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking, is_blind
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.fallback_params import FallbackParams
@@ -57,6 +56,7 @@ from q2q_control.failsafe.fallback_phases import (
 )
 from q2q_control.failsafe.nominal_tick import SOUND, StateAndCommand, TickTimes, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import DeadReckonedBraking, levels_or_lands
 from q2q_model.signals.clock_resets import AHEAD_S, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import (
@@ -172,8 +172,8 @@ class Guard:
         if last is None or (self._was_nominal and not self._evasion.active):
             return setpoint
         cut = tuple(self._names[row] for row in np.flatnonzero(self._is_cut))
-        absent = InFallback(self._blind(state, self._missing or last), cut)
-        return self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
+        absent = InFallback(self._lost(state, self._missing or last), cut)
+        return self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.lost))
 
     def _guarded(self, state: SwarmState, command: SwarmCommand) -> SwarmCommand:
         """Return the controller's command in a nominal tick, else what the fallback phases make of it."""
@@ -251,9 +251,9 @@ class Guard:
         given = StateAndCommand(age.copy(), track.copy(), values, command.status)
         return note_nominal(times, given, (self._is_cut, self._measured_at))
 
-    def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
-        """Return the vehicles that fly blind, by the last command, or soon will, by the state."""
-        level = {last.names[row] for row in np.flatnonzero(is_blind(last.status))}
+    def _lost(self, state: SwarmState, last: SwarmCommand) -> Names:
+        """Return the vehicles that are lost by the state, or level or land by the last command."""
+        level = {last.names[row] for row in np.flatnonzero(levels_or_lands(last.status))}
         lost = np.flatnonzero((state.status == LOST) & (state.age < self._params.cut_after_s))
         return tuple(sorted(level.union(state.names[row] for row in lost)))
 

@@ -16,7 +16,7 @@ AWAY = (0.6, 0.1, 2.0)
 LOW = (0.3, 0.4, 0.5)
 """Where the vehicle is measured again [m]."""
 SEEN = InFallback((), ())
-BLIND = InFallback(("cf1",), ())
+LOST_CF1 = InFallback(("cf1",), ())
 CUT = InFallback((), ("cf1",))
 
 
@@ -31,8 +31,8 @@ def setpoint_of(t: float, *pos: tuple[float, float, float], climb: float = 0.0) 
     return resting_setpoint(t, names_of(n), np.array(pos), vel=vel)
 
 
-def lost(*blind: str, climbs: ClimbBack) -> ClimbBack:
-    climbs.update(setpoint_of(0.0, AWAY, AWAY), state_of(LOW, LOW), InFallback(blind, ()))
+def lost(*lost: str, climbs: ClimbBack) -> ClimbBack:
+    climbs.update(setpoint_of(0.0, AWAY, AWAY), state_of(LOW, LOW), InFallback(lost, ()))
     return climbs
 
 
@@ -67,10 +67,10 @@ def test_who_was_always_measured_or_is_cut_follows_its_setpoint(off: bool) -> No
     assert not names
 
 
-def test_while_blind_it_keeps_its_setpoint() -> None:
+def test_while_lost_it_keeps_its_setpoint() -> None:
     climbs = lost("cf1", climbs=ClimbBack())
     given = setpoint_of(0.1, AWAY, AWAY)
-    sent, names = climbs.update(given, state_of(LOW, LOW), BLIND)
+    sent, names = climbs.update(given, state_of(LOW, LOW), LOST_CF1)
     assert sent is given
     assert not names
     assert climbs.active
@@ -130,7 +130,7 @@ def test_once_at_its_height_it_is_led_back_to_a_setpoint_far_away() -> None:
 def test_it_climbs_anew_after_each_loss_and_is_forgotten_if_it_leaves_the_state() -> None:
     climbs = lost("cf1", "cf2", climbs=ClimbBack())
     climbs.update(setpoint_of(0.1, AWAY, AWAY), state_of(LOW, AWAY), SEEN)
-    climbs.update(setpoint_of(0.2, AWAY, AWAY), state_of(LOW, AWAY), BLIND)
+    climbs.update(setpoint_of(0.2, AWAY, AWAY), state_of(LOW, AWAY), LOST_CF1)
     there = (0.5, 0.5, 1.0)
     sent, _ = climbs.update(setpoint_of(0.3, AWAY, AWAY), state_of(there, AWAY), SEEN)
     np.testing.assert_array_equal(sent.pos[0], (*there[:2], AWAY[2]))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reckoned_flights import HOVER, NAMES, TICK, UP, LostVehicle, flown, level_at, state_at, ticked
 
-from q2q_control.failsafe.blind_flight.braking_law import (
+from q2q_control.failsafe.tracking_loss.braking_law import (
     BRAKING_MAX,
     BRAKING_S,
     SINK_MAX,
@@ -14,8 +14,8 @@ from q2q_control.failsafe.blind_flight.braking_law import (
     ReckonedMotions,
     resting_places,
 )
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
-from q2q_control.failsafe.blind_flight.dead_reckoning import (
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.tracking_loss.dead_reckoning import (
     LAG_S,
     POS,
     THRUST_LAG_S,
@@ -28,7 +28,9 @@ from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, 
 from q2q_model.vehicle.constants import GRAVITY
 
 
-def flown_blind(vel: np.ndarray, yaw: float, status: CommandStatus) -> tuple[np.ndarray, list[SwarmCommand]]:
+def flown_unmeasured(
+    vel: np.ndarray, yaw: float, status: CommandStatus
+) -> tuple[np.ndarray, list[SwarmCommand]]:
     """Return the velocity of the first vehicle, 3 s after it was last seen, and its commands.
 
     Its body's z axis follows the command with a first-order lag; nothing else moves it.
@@ -48,7 +50,7 @@ def flown_blind(vel: np.ndarray, yaw: float, status: CommandStatus) -> tuple[np.
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
 @pytest.mark.parametrize("status", [CommandStatus.LEVEL, CommandStatus.LAND])
 def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: CommandStatus) -> None:
-    vel, made = flown_blind(np.array([0.8, -0.6]), yaw, status)
+    vel, made = flown_unmeasured(np.array([0.8, -0.6]), yaw, status)
     # V: exp(-3 s / 0.5 s) of 1 m/s, and as much again for the largest deceleration; v = V (1 + L / tau)
     assert np.linalg.norm(vel) < 2.0 * np.exp(-6.0) * (1.0 + LAG_S / BRAKING_S)
     decelerations = [GRAVITY * np.hypot(np.tan(one.roll[0]), np.tan(one.pitch[0])) for one in made]

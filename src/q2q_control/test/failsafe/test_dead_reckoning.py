@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from reckoned_flights import HOVER, LEVEL, TICK, LostVehicle, flown, level_at, state_at, ticked
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
-from q2q_control.failsafe.blind_flight.dead_reckoning import (
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.tracking_loss.dead_reckoning import (
     LAG_S,
     TILT_SQUARE,
     TRACK_WIDTH,

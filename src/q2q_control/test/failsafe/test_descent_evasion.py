@@ -8,7 +8,6 @@ from evading_flights import TICK, UPPER, flown, setpoint_of, state_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.evasion import descent_evasion
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import (
@@ -20,19 +19,20 @@ from q2q_control.failsafe.evasion.descent_evasion import (
     DescentEvasion,
 )
 from q2q_control.failsafe.evasion.evasion_shift import PACE
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import Reckoned
 from q2q_model.signals.values import CommandStatus, TrackStatus
 
 LOST = flown(2, 0)
 """The upper one of two vehicles is lost."""
 
 
-def shifts(pos: np.ndarray, ticks: int, blind: InFallback, vel: np.ndarray | None = None) -> np.ndarray:
+def shifts(pos: np.ndarray, ticks: int, fallback: InFallback, vel: np.ndarray | None = None) -> np.ndarray:
     """Return by how much every setpoint is moved at every tick, (ticks, n, 9); vehicles are where sent."""
     way, made = DescentEvasion(), []
     speed = np.zeros_like(pos) if vel is None else vel
     for k in range(ticks):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
-        output = way.update(sent, state_of(sent.pos), blind, {})
+        output = way.update(sent, state_of(sent.pos), fallback, {})
         made.append(
             np.concatenate([output.pos - sent.pos, output.vel - sent.vel, output.acc - sent.acc], axis=1)
         )
@@ -89,7 +89,7 @@ def test_who_is_seen_or_held_for_a_moment_or_down_is_not_evaded(how: CommandStat
     assert DescentEvasion().update(sent, state_of(sent.pos), flown(2, 0, how=how), {}) is sent
 
 
-def test_two_blind_ones_move_nobody_and_one_that_is_seen_between_leaves_both() -> None:
+def test_two_lost_ones_move_nobody_and_one_that_is_seen_between_leaves_both() -> None:
     stack = np.array([UPPER, (0.1, 0.0, 1.0), (0.0, 0.1, 0.5)])
     assert not shifts(stack, 100, flown(3, 0, 1, 2)).any()
     made = shifts(stack, 300, flown(3, 0, 2))
@@ -106,7 +106,7 @@ def test_two_blind_ones_move_nobody_and_one_that_is_seen_between_leaves_both() -
 def test_a_setpoint_that_passes_beneath_goes_round(
     begin: tuple[float, float], vel: tuple[float, float]
 ) -> None:
-    """The blind one stays; after the way there, 3 / w and more, the passing one is REACH away from it."""
+    """The lost one stays; after the way there, 3 / w and more, the passing one is REACH away from it."""
     speed = np.array([(0.0, 0.0, 0.0), (*vel, 0.0)])
     way, pos = DescentEvasion(), np.array([UPPER, (*begin, 0.8)])
     place = pos
@@ -149,7 +149,7 @@ def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
 
 
 def test_the_side_without_others_is_taken() -> None:
-    """Straight away from the blind one another vehicle hovers, 45 degrees aside is too near to it: across."""
+    """Straight away from the lost one another vehicle hovers, 45 degrees aside is too near to it: across."""
     pos = np.array([UPPER, (0.05, 0.0, 1.0), (0.6, 0.0, 1.0)])
     made = shifts(pos, 300, flown(3, 0))
     # what is left of the way after 3 s: (1 + w t) exp(-w t) = 0.12 %
@@ -172,7 +172,7 @@ def test_four_fifths_of_the_way_are_flown_from_level_to_landing() -> None:
     assert np.abs(made[:, 1, 6]).max() == pytest.approx(5.4)
 
 
-def test_beneath_two_blind_ones_the_way_leads_from_both() -> None:
+def test_beneath_two_lost_ones_the_way_leads_from_both() -> None:
     pos = np.array([UPPER, (0.3, 0.0, 1.6), (0.1, -0.1, 1.0)])
     vel = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)])
     way, made = DescentEvasion(), []
@@ -206,7 +206,7 @@ def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
     np.testing.assert_array_equal(output.pos, pos)
 
 
-def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen() -> None:
+def test_way_is_made_where_the_lost_one_is_reckoned_to_be_not_where_it_was_seen() -> None:
     pos = np.array([(0.0, -0.8, 1.5), (0.0, 0.0, 1.0)])
     way, sent = DescentEvasion(), setpoint_of(0.0, pos)
     np.testing.assert_array_equal(way.update(sent, state_of(pos), flown(2, 0), {}).pos, pos)
@@ -217,18 +217,18 @@ def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen
 
 
 @pytest.mark.parametrize("first", [0, 1])
-def test_who_is_sent_beneath_the_blind_one_from_afar_stops_on_its_side(first: int) -> None:
-    """Measured again elsewhere, it goes to its setpoint; the blind one stays, 0.5 m above that."""
-    order, blind = [first, 1 - first], flown(2, first)
+def test_who_is_sent_beneath_the_lost_one_from_afar_stops_on_its_side(first: int) -> None:
+    """Measured again elsewhere, it goes to its setpoint; the lost one stays, 0.5 m above that."""
+    order, fallback = [first, 1 - first], flown(2, first)
     sent, pos = np.array([UPPER, (0.0, 0.0, 1.0)])[order], np.array([UPPER, (-0.3, -1.0, 1.0)])[order]
     way = DescentEvasion()
     for k in range(300):
-        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), blind, {})
+        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), fallback, {})
     assert output.pos[1 - first] @ pos[1 - first] > 0.0
     assert np.hypot(*output.pos[1 - first, :2]) > 0.98 * REACH
 
 
-def test_where_the_blind_one_is_sent_nobody_is_in_its_way() -> None:
+def test_where_the_lost_one_is_sent_nobody_is_in_its_way() -> None:
     sent, pos = np.array([(2.0, 0.0, 1.5), (2.0, 0.0, 1.0)]), np.array([UPPER, (2.0, 0.0, 1.0)])
     way = DescentEvasion()
     for k in range(100):

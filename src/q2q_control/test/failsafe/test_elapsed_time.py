@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_control.failsafe.blind_flight.elapsed_time import GAP_S, LONGEST_STEP, ElapsedTime
+from q2q_control.failsafe.tracking_loss.elapsed_time import GAP_S, LONGEST_STEP, ElapsedTime
 from q2q_model.signals.stamps import TICK_S
 
 

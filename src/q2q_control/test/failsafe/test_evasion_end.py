@@ -42,8 +42,8 @@ def test_one_that_is_driven_ahead_turns_across_unless_the_other_may_climb_to_its
         low = 2.0 if k < 100 else height
         state = state_of(np.array([(x, 0.0, low), (0.3 if k < 100 else x + 0.5, 0.0, 1.0)]))
         plan = np.array([(x, 0.0, 2.0), (0.3, 0.0, 1.0)])
-        blind = flown(2, 0) if k < 100 else flown(2)
-        output = evasion.update(setpoint_of(k * TICK, plan), state, blind, {})
+        fallback = flown(2, 0) if k < 100 else flown(2)
+        output = evasion.update(setpoint_of(k * TICK, plan), state, fallback, {})
         aside = max(aside, abs(output.pos[1, 1]))
     assert (aside > 0.3) == across
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
-from q2q_control.failsafe.blind_flight.fading_downwash import (
+from q2q_control.failsafe.tracking_loss.dead_reckoning import OBSERVER
+from q2q_control.failsafe.tracking_loss.fading_downwash import (
     ABOVE_RADIUS,
     FADE_S,
     JET_WIDTH,

@@ -24,8 +24,8 @@ from guarded_flights import (
 )
 from resting_signals import resting_state
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.tracking_loss.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import (
     SwarmCommand,
@@ -154,7 +154,7 @@ def test_a_cut_vehicle_that_is_not_commanded_for_a_while_stays_cut() -> None:
     assert fly(guard, 523, 525)[-1].status.tolist() == [CUT, OK]
 
 
-def test_an_orientation_that_is_no_number_leaves_no_trace_in_what_a_vehicle_does_blind() -> None:
+def test_an_orientation_that_is_no_number_leaves_no_trace_in_dead_reckoning() -> None:
     guard, sane = guarded(), guarded()
     for one in (guard, sane):
         fly(one, 0, 50)

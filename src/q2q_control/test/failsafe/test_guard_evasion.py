@@ -18,7 +18,7 @@ from guarded_flights import (
     state_at,
 )
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.tracking_loss.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_model.signals.values import (
     Interference,
     SwarmCommand,

@@ -22,9 +22,9 @@ from guarded_flights import (
     state_at,
 )
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.input_deadline import InputDeadline
+from q2q_control.failsafe.tracking_loss.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import GRAVITY
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
+from q2q_control.failsafe.tracking_loss.stacking import stacked_pairs
 
 REACH, GAP = 0.6, 0.1
 PLACES = st.sampled_from([0.0, 0.05, 0.1, 0.3, 0.5, 0.7, -0.4, np.nan])

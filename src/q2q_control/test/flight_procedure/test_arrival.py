@@ -32,14 +32,14 @@ class Hover:
     t: float = 0.0
     height: float = HEIGHT
 
-    def step(self, *, blind: Array | None = None) -> str:
-        """Let a tick pass, in which `blind` vehicles are not measured; return why they have not arrived."""
+    def step(self, *, unmeasured: Array | None = None) -> str:
+        """Let a tick pass, in which some vehicles are not measured; return why they have not arrived."""
         self.t += STEP
         off, vel = self.motion(self.t), (self.motion(self.t) - self.motion(self.t - 1e-6)) / 1e-6
         places = np.column_stack([np.arange(len(off)), np.zeros(len(off)), np.full(len(off), self.height)])
-        blind = np.zeros(len(off), dtype=np.bool_) if blind is None else blind
-        self.age = np.where(blind, self.age + STEP, 0.0)
-        self.seen = np.where(blind[:, None], self.seen, places + off)
+        unmeasured = np.zeros(len(off), dtype=np.bool_) if unmeasured is None else unmeasured
+        self.age = np.where(unmeasured, self.age + STEP, 0.0)
+        self.seen = np.where(unmeasured[:, None], self.seen, places + off)
         names = tuple(replace(WELL, name=f"cf{row}") for row in range(len(off)))
         nan = np.full_like(off, np.nan)
         observation = Observation(names, self.seen, vel, self.age, nan, nan, 0.0, None)
@@ -184,7 +184,7 @@ def test_short_gaps_of_motion_capture_do_not_interrupt_rests() -> None:
     hover = Hover(lambda _: np.zeros((7, 3)))
     gap = round(0.2 / STEP)  # [ticks]
     away = [np.arange(7) == (tick // gap) % 7 for tick in range(round(2.0 / STEP))]  # one after the other
-    reasons = [hover.step(blind=one) for one in away]
+    reasons = [hover.step(unmeasured=one) for one in away]
     needed = round(PARAMS.settle_s / STEP)
     assert reasons.index("") <= needed + gap
     assert not any(reasons[reasons.index("") :])
@@ -194,7 +194,7 @@ def test_no_rest_is_completed_while_a_vehicle_is_not_measured() -> None:
     hover, second = Hover(lambda _: np.zeros((2, 3))), np.array([False, True])
     for _ in range(round(0.8 / STEP)):
         hover.step()
-    reasons = [hover.step(blind=second) for _ in range(round(0.4 / STEP))]
+    reasons = [hover.step(unmeasured=second) for _ in range(round(0.4 / STEP))]
     assert all(reasons)
     assert reasons[-1] == "cf1 has no state younger than 0.1 s (its last is 0.40 s old): check motion capture"
 
@@ -204,7 +204,7 @@ def test_a_vehicle_that_is_lost_for_good_has_not_arrived(settle_s: float) -> Non
     arrival = Arrival(replace(PARAMS, settle_s=settle_s), LANDING)
     hover, second = Hover(lambda _: np.zeros((2, 3)), arrival), np.array([False, True])
     assert hover.arrives_in(5.0) < 5.0
-    reasons = [hover.step(blind=second) for _ in range(round(1.0 / STEP))]
+    reasons = [hover.step(unmeasured=second) for _ in range(round(1.0 / STEP))]
     held = round(LOST_S / STEP)
     assert not any(reasons[: held - 1])
     assert all(one.startswith("cf1 has no state younger than 0.1 s") for one in reasons[held + 1 :])

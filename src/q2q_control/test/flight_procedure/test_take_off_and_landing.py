@@ -55,7 +55,7 @@ def test_take_off_is_refused_with_vehicle_and_number_and_nobody_arms(
 
 
 def test_an_old_state_refuses_the_take_off() -> None:
-    bench = Bench(blind=True)
+    bench = Bench(unmeasured=True)
     bench.wait(0.3)
     assert "cf1 has no state younger than 0.1 s (its last is 0.32 s old)" in bench.asked(Call.TAKE_OFF).reason
 

@@ -3,7 +3,7 @@
 | finding | judged by |
 |---|---|
 | a vehicle hit the floor, or did not take off, or late | policy `floor` |
-| a vehicle landed without feedback, was flown blind to the end, or was never measured | sent_down.py |
+| a vehicle landed or was flown to the end without measurements, or never had any | sent_down.py |
 | motors were cut, by an emergency stop or by the failsafe | sent_down.py |
 | two vehicles collided | policy `separation` |
 | a vehicle left its path | policy `setpoint_error` |

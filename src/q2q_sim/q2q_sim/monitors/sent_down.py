@@ -4,9 +4,9 @@
 |---|---|
 | motors were cut | CUT |
 | motors were cut by an emergency stop | CUT right after OK, SATURATED or DEGRADED |
-| landed blind | LAND on the floor |
+| landed without measurements | LAND on the floor |
 | was never measured | from the first to the last, or to CUT, LEVEL or LAND |
-| was flown blind to the end | the last is LAND |
+| was flown without measurements to the end | the last is LAND |
 
 The failsafe (q2q_control.failsafe.fallback_phases) cuts after LAND, after LEVEL where land_after_s is
 cut_after_s, or after HOLD where a clock was set ahead by seconds, and an emergency stop at any time: a cut
@@ -27,14 +27,14 @@ from q2q_sim.monitors.policies import Limits
 from q2q_sim.monitors.policies.floor import touches_floor
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
-BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
+WITHOUT_FEEDBACK = (CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands without feedback beyond HOLD, which is short and follows a measurement."""
 BEFORE_FAILSAFE_CUT = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands right after which the failsafe may cut."""
 
 
 def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Finding]:
-    """Yield the vehicles sent down or flown blind; `stamps` are those of the whole recording [s], (K,)."""
+    """Yield the vehicles sent down or not measured to the end; `stamps` are all of a recording [s], (K,)."""
     begin, is_whole, reaches_end = stamps[0], len(trace.t) == len(stamps), trace.t[-1] == stamps[-1]
     down = touches_floor(trace, limits)
     for row, name in enumerate(trace.names):
@@ -47,19 +47,21 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
         cause = " by an emergency stop" if _is_emergency_stop(t, commands) else ""
         ends = {
             f"{name}'s motors were cut{cause}": status == CommandStatus.CUT,
-            f"{name} landed blind": (status == CommandStatus.LAND) & down[:, row],
+            f"{name} landed without measurements": (status == CommandStatus.LAND) & down[:, row],
         }
         first = {words: float(trace.t[mask][0]) for words, mask in ends.items() if mask.any()}
         for words, at in sorted(first.items(), key=lambda one: one[1])[:1]:
             yield Finding(at, f"{words} at {at - begin:.1f} s")
-        if reaches_end and not first and not never and (since := _blind_since(t, commands)) is not None:
-            yield Finding(since, f"{name} was flown blind from {since - begin:.1f} s to the end")
+        if reaches_end and not first and not never and (since := _unmeasured_since(t, commands)) is not None:
+            yield Finding(
+                since, f"{name} was flown without measurements from {since - begin:.1f} s to the end"
+            )
 
 
 def _is_never_measured(status: Array) -> bool:
     """Return whether none of a vehicle's commands, (C,), has feedback, and some are not CUT."""
     flown = status[status != CommandStatus.CUT]
-    return bool(len(flown)) and bool(np.isin(flown, BLIND).all())
+    return bool(len(flown)) and bool(np.isin(flown, WITHOUT_FEEDBACK).all())
 
 
 def _is_emergency_stop(t: Array, status: Array) -> bool:
@@ -70,9 +72,9 @@ def _is_emergency_stop(t: Array, status: Array) -> bool:
     return status[first - 1] not in BEFORE_FAILSAFE_CUT
 
 
-def _blind_since(t: Array, status: Array) -> float | None:
+def _unmeasured_since(t: Array, status: Array) -> float | None:
     """Return since when a vehicle had no feedback [s], if its last command is LAND; t and status are (C,)."""
     if not len(t) or status[-1] != CommandStatus.LAND:
         return None
-    seen = np.flatnonzero(~np.isin(status, BLIND))
+    seen = np.flatnonzero(~np.isin(status, WITHOUT_FEEDBACK))
     return float(t[seen[-1] + 1 if len(seen) else 0])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from resting_signals import level_command, resting_state
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
-from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
+from q2q_control.failsafe.tracking_loss.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.tracking_loss.dead_reckoning import OBSERVER
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, Interference, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
@@ -20,7 +20,7 @@ from q2q_sim.campaigns.falsification.postconditions.run_ticks import RunTicks
 from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.faults.faults import Fault
 
-LAST, BLIND, END = 350, 400, 450
+LAST, LEVELS, END = 350, 400, 450
 """Ticks in which cf1 is measured last, in which it begins to fly level, and after the flight."""
 
 
@@ -38,9 +38,9 @@ def level_flight(speed: float, deceleration: float) -> RunTicks:
     states, commands = [], []
     for k in range(END):
         age = np.array([max(k - LAST, 0) * TICK_S, 0.0])
-        lost = np.array([TrackStatus.LOST if k >= BLIND else TrackStatus.TRACKED, TrackStatus.TRACKED])
+        lost = np.array([TrackStatus.LOST if k >= LEVELS else TrackStatus.TRACKED, TrackStatus.TRACKED])
         states.append(resting_state(k * TICK_S, names, still, vel=vel, age=age, status=lost.astype(np.uint8)))
-        level = np.array([CommandStatus.LEVEL if k >= BLIND else CommandStatus.OK, CommandStatus.OK])
+        level = np.array([CommandStatus.LEVEL if k >= LEVELS else CommandStatus.OK, CommandStatus.OK])
         pitch = np.array([-math.atan(deceleration / GRAVITY), 0.0])
         flat = np.zeros(2)
         commands.append(level_command(k * TICK_S, names, flat, pitch=pitch, status=level.astype(np.uint8)))
@@ -76,7 +76,7 @@ def test_the_margin_of_a_slow_vehicle_that_is_not_braked_reports_how_slow_it_is(
 def test_a_vehicle_that_was_slow_when_it_was_last_measured_is_not_judged() -> None:
     ticks = level_flight(1.0, 0.0)
     rest = replace(ticks.truth[0], vel=np.zeros((2, 3)))
-    pushed = replace(ticks, truth=(*(rest for _ in range(BLIND)), *ticks.truth[BLIND:]))
+    pushed = replace(ticks, truth=(*(rest for _ in range(LEVELS)), *ticks.truth[LEVELS:]))
     assert brake(two_vehicles(), pushed).violations == ()
 
 
@@ -113,8 +113,8 @@ def test_braking_is_judged_unless_a_fault_hides_the_motion(fault: Fault, judged:
     [
         ("ignoring", LAST - 50, LAST + 1, True),
         ("ignoring", LAST - 50, LAST + 2, False),
-        ("ignoring", BLIND, END, False),
-        ("aware", BLIND, END, True),
+        ("ignoring", LEVELS, END, False),
+        ("aware", LEVELS, END, True),
     ],
 )
 def test_braking_is_judged_unless_an_ignored_downwash_has_pushed(
@@ -140,7 +140,7 @@ def aware_in(air: str) -> Run:
 def test_in_another_air_a_vehicle_is_not_judged_that_a_gust_has_blown_by_more_than_can_be_known(
     air: str, gust: float, steady: float, *, judged: bool
 ) -> None:
-    """The gust [m/s^2] begins with the last measurement, half a second before cf1 is blind."""
+    """The gust [m/s^2] begins with the last measurement, half a second before cf1 levels."""
     ticks, run = level_flight(1.0, 0.0), aware_in(air)
     pushed = [
         replace(one, acc=np.array([[steady + (gust if k > LAST else 0.0), 0.0, 0.0], [0.0, 0.0, 0.0]]))
@@ -164,7 +164,7 @@ def test_a_steady_push_is_learned_as_by_the_observer_of_dead_reckoning() -> None
     np.testing.assert_allclose(learned_push(steady)[:, 0, 1], -0.2 * left, atol=4e-3)
 
 
-@pytest.mark.parametrize(("begun", "judged"), [(BLIND, False), (END, True)])
+@pytest.mark.parametrize(("begun", "judged"), [(LEVELS, False), (END, True)])
 def test_a_gust_counts_until_the_command_takes_effect(begun: int, *, judged: bool) -> None:
     gust = np.array([[10.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     ticks = level_flight(1.0, 0.0)

@@ -1,4 +1,4 @@
-"""The verdict names vehicles that were cut, by whom, and those that landed or flew blind."""
+"""The verdict names vehicles that were cut, by whom, and those that landed or flew without measurements."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ DOWN = (0.0, 1.0, 0.0)
 """Place of cf2 on the floor [m]."""
 
 
-def test_an_emergency_stop_and_a_blind_landing_are_reported() -> None:
+def test_an_emergency_stop_and_a_landing_without_measurements_are_reported() -> None:
     cut = np.zeros((TICKS, 2))
     cut[T > 6.995] = CommandStatus.CUT
     stopped = "motors were cut by an emergency stop at 7.0 s"
@@ -20,23 +20,25 @@ def test_an_emergency_stop_and_a_blind_landing_are_reported() -> None:
     landing = np.zeros((TICKS, 2))
     landing[(T > 6.995) & (T < 9.495), 1] = CommandStatus.LAND
     assert output(flown(status=landing)).startswith("ok")  # seen again before it was down
-    assert output(flown(moved(8.0, 20.0, 1, DOWN), status=landing)) == "cf2 landed blind at 8.0 s"
+    assert (
+        output(flown(moved(8.0, 20.0, 1, DOWN), status=landing)) == "cf2 landed without measurements at 8.0 s"
+    )
 
 
-def test_a_vehicle_that_is_flown_blind_to_the_end_is_reported() -> None:
+def test_a_vehicle_that_is_flown_without_measurements_to_the_end_is_reported() -> None:
     """Above the floor, where a landing has not ended; level flight after a dropout may still end well."""
     status = np.zeros((TICKS, 2))
     status[T >= 8.995, 1] = CommandStatus.LEVEL
     assert output(flown(status=status)) == "ok: 10.0 s flown to the end"
     status[T >= 9.495, 1] = CommandStatus.LAND
-    assert output(flown(status=status)) == "cf2 was flown blind from 9.0 s to the end"
+    assert output(flown(status=status)) == "cf2 was flown without measurements from 9.0 s to the end"
     status[T < 8.995, 1] = CommandStatus.LEVEL
     status[T >= 9.495, 1] = CommandStatus.LEVEL
     assert output(flown(status=status)) == "cf2 was never measured"
     status[T >= 3.0, 1] = CommandStatus.LAND
     assert (
         output(flown(moved(3.0, 20.0, 1, DOWN), status=status))
-        == "cf2 was never measured; cf2 landed blind at 3.0 s"
+        == "cf2 was never measured; cf2 landed without measurements at 3.0 s"
     )
     status[T >= 3.0, 1] = CommandStatus.CUT
     assert (

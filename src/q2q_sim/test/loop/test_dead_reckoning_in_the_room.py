@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from resting_signals import level_command
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import DeadReckonedBraking
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.loop.room import Room

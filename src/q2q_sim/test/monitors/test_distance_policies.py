@@ -43,7 +43,7 @@ def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() 
 @pytest.mark.parametrize(
     ("off", "strays"), [((0.0, 0.0, -1.6), False), ((0.0, 0.0, 1.6), True), ((1.6, 0.0, -0.1), True)]
 )
-def test_a_vehicle_that_lands_blind_is_sent_down_and_nowhere_else(
+def test_a_vehicle_that_lands_unmeasured_is_sent_down_and_nowhere_else(
     off: tuple[float, float, float], strays: bool
 ) -> None:
     away = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos + np.array(off)))
@@ -95,7 +95,7 @@ def test_without_truth_a_vehicle_that_is_lost_is_nowhere() -> None:
     assert without_truth(TrackStatus.LOST) == set()
 
 
-def test_who_is_on_the_floor_though_sent_above_it_has_fallen_unless_it_lands_blind() -> None:
+def test_who_is_on_the_floor_though_sent_above_it_has_fallen_unless_it_lands_unmeasured() -> None:
     fall = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos * [1.0, 1.0, 0.0]))
     low = changed(SwarmSetpoint, 3.0, 3.1, pos=lambda pos: pos * [1.0, 1.0, 0.0])
     lands = changed(SwarmCommand, 2.0, 3.05, status=lambda _: np.full(3, CommandStatus.LAND))

@@ -41,7 +41,7 @@ def test_a_state_may_be_wrong_until_a_second_after_an_error_that_no_filter_detec
 @pytest.mark.parametrize(("beyond", "evades"), [(-0.01, True), (0.01, False)])
 @pytest.mark.parametrize("status", [CommandStatus.LEVEL, CommandStatus.LAND])
 @pytest.mark.parametrize("where", ["true_pos", "sent_pos"])
-def test_a_vehicle_may_evade_a_blind_one_that_it_or_its_setpoint_is_near_at_any_height(
+def test_a_vehicle_may_evade_a_lost_one_that_it_or_its_setpoint_is_near_at_any_height(
     where: str, status: CommandStatus, beyond: float, evades: bool
 ) -> None:
     flight = hovering(PLACES)

@@ -1,4 +1,4 @@
-"""Blind vehicles in a downwash that nothing can predict are told from those that a controller answers for."""
+"""Lost vehicles in a downwash that nothing can predict are told from those that a controller answers for."""
 
 from dataclasses import replace
 
@@ -17,12 +17,12 @@ from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import (
 
 TICKS = np.arange(1000) * 0.01
 LOST = slice(300, 400)
-"""Ticks at which cf1, 0.5 m below cf2 and 0.3 m beside it, is flown blind."""
+"""Ticks at which cf1, 0.5 m below cf2 and 0.3 m beside it, is lost."""
 IGNORING = Circumstances(aware=False)
 
 
 def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5)) -> FlightTrace:
-    """Return a flight of two vehicles at rest, cf1 blind for a second under a downwash of `push` [m/s^2]."""
+    """Return a flight of two vehicles at rest, cf1 lost for a second under a downwash of `push` [m/s^2]."""
     n, shape = len(TICKS), (len(TICKS), 2)
     pos = np.tile([(0.0, 0.0, 1.0), cf2], (n, 1, 1))
     status = np.zeros(shape)
@@ -42,7 +42,7 @@ def displaced(name: str, start: float = 2.0, duration: float = 3.0) -> Circumsta
     return Circumstances(faults=(Fault("jump", start, duration, (name,), 0.2),))
 
 
-def test_it_is_unpredicted_by_a_controller_that_ignores_it_from_a_push_on_while_blind() -> None:
+def test_it_is_unpredicted_by_a_controller_that_ignores_it_from_a_push_on_while_lost() -> None:
     found = unpredicted_downwash(flight(), IGNORING)
     assert found[LOST, 0].all()
     assert found.sum() == 100

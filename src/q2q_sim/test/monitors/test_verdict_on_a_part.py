@@ -62,7 +62,7 @@ def test_a_part_of_a_flight_is_not_flown_to_the_end() -> None:
     assert replay_run(flown(), CRAZYFLIE_2_0).verdict.endswith("; ok: 10.0 s flown to the end")
 
 
-def test_a_part_in_which_a_vehicle_is_blind_is_no_failure_of_a_flight_in_which_it_was_seen_again() -> None:
+def test_a_part_in_which_a_vehicle_is_lost_is_no_failure_of_a_flight_in_which_it_was_seen_again() -> None:
     status = np.zeros((TICKS, 2))
     status[(T >= 2.995) & (T < 4.995), 1] = CommandStatus.LEVEL
     status[(T >= 3.995) & (T < 4.995), 1] = CommandStatus.LAND
@@ -72,7 +72,7 @@ def test_a_part_in_which_a_vehicle_is_blind_is_no_failure_of_a_flight_in_which_i
         said = f"ok: {length} s judged, a part of the flight"
         assert str(verdict_of(of_rows(whole, rows), AROUND, whole=whole)) == said
     to_the_end = flown(status=np.where(T[:, None] >= 8.995, [0, CommandStatus.LAND], 0))
-    said = "cf2 was flown blind from 9.0 s to the end"
+    said = "cf2 was flown without measurements from 9.0 s to the end"
     assert str(verdict_of(of_rows(to_the_end, slice(500, None)), AROUND, whole=to_the_end)) == said
     level = flown(status=np.where(T[:, None] >= 8.995, [0, CommandStatus.LEVEL], 0))
     said = "ok: 0.5 s judged, a part of the flight"

@@ -43,7 +43,7 @@ def test_setpoints_within_stray_of_the_zone_are_a_planned_entry(beside: float, j
 
 @pytest.mark.parametrize("row", [1, 2])
 @pytest.mark.parametrize(("before", "judged"), [(0.19, False), (0.22, True)])
-def test_a_pair_is_not_judged_until_settle_after_either_was_flown_blind(
+def test_a_pair_is_not_judged_until_settle_after_either_was_lost(
     row: int, before: float, judged: bool
 ) -> None:
     flight = entering()

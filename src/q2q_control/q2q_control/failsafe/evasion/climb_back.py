@@ -1,6 +1,6 @@
 """Let vehicles that are measured again return to the heights of their setpoints before they follow these.
 
-A vehicle that flew blind has left the height of its plan, and its setpoint may be elsewhere by then, beyond
+A vehicle that was lost has left the height of its plan, and its setpoint may be elsewhere by then, beyond
 vehicles that the plan passes above or below. It climbs, or sinks, where it is measured again, until it is
 within BACK of its setpoint's height, for LONGEST at most: a weak one may never get there. From there it is
 led back to its setpoint (q2q_control.failsafe.evasion.rejoining).
@@ -38,8 +38,8 @@ LONGEST = 3.5
 class InFallback(NamedTuple):
     """Vehicles in fallback phases."""
 
-    blind: Names
-    """They are lost, fly level or land without measurements."""
+    lost: Names
+    """Not measured any longer: their commands are LEVEL or LAND, or soon will be."""
     cut: Names
     """Their motors are off for good."""
 
@@ -53,7 +53,7 @@ class Returning(NamedTuple):
 
 
 class ClimbBack:
-    """Vehicles that flew blind and are not yet back at their setpoints."""
+    """Vehicles that were lost and are not yet back at their setpoints."""
 
     def __init__(self) -> None:
         self._gone: set[str] = set()
@@ -74,17 +74,17 @@ class ClimbBack:
             state: of the tick.
             fallback: vehicles without measurements, and cut ones.
         """
-        seen = self._gone.difference(fallback.blind, fallback.cut)
+        seen = self._gone.difference(fallback.lost, fallback.cut)
         off = seen.intersection(_off_height(setpoint, state))
         returning = off | seen.intersection(_moving_vertically(setpoint), state.names)
         self._since = {name: self._since.get(name, setpoint.t) for name in returning}
         returning = {name for name in returning if setpoint.t - self._since[name] <= LONGEST}
-        self._gone = returning.union(fallback.blind)
+        self._gone = returning.union(fallback.lost)
         self._places = {
             name: self._places.get(name, state.pos[state.names.index(name), :2].copy())
             for name in sorted(off & returning)
         }
-        away = frozenset(self._places).union(fallback.blind)
+        away = frozenset(self._places).union(fallback.lost)
         led = self._rejoining.update(_held_at(setpoint, self._places), state, away)
         return Returning(led, frozenset(returning))
 

@@ -1,8 +1,8 @@
 """Move vehicles aside that fly below one without measurements, or little above it.
 
-A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.fallback_phases), drifts
+A vehicle that is lost, and soon levels or lands (q2q_control.failsafe.fallback_phases), drifts
 with the wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first.
-Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its
+Its position p_j is dead-reckoned (q2q_control.failsafe.tracking_loss). Where a measured vehicle or its
 setpoint is within d_j of it horizontally, and less than RISE above it, the setpoint is shifted along u
 (evasion_shift, evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
 
@@ -23,18 +23,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_control.failsafe.evasion.evasion_shift import EvasionShift, Place
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import Reckoned
 from q2q_model.signals.values import TRACKED, Array, Names, SwarmSetpoint, SwarmState, index_of, rows_by_name
 
 REACH = 0.6
-"""Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
+"""Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of dead reckoning."""
 RISE = 0.7
 """Height above one that is lost from which it is not evaded [m]: contact, 0.14, and its rise by 0.5."""
 DRIFT_FROM_S, DRIFT = 1.0, 0.4
-"""Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
+"""Time [s] after which a lost vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
 FARTHEST = 0.9
 """Longest distance to keep [m]: REACH, and a drift of 0.75 s beyond DRIFT_FROM_S. A vehicle that evades
 further leaves the room, or is not back within seconds; one that is driven further ahead gets across."""
@@ -67,19 +67,19 @@ class DescentEvasion:
             setpoint: reference of the tick.
             state: of a lost vehicle, the last accepted height is used.
             fallback: vehicles without measurements, and cut ones.
-            known: horizontal motions of vehicles, dead-reckoned; else the last accepted position of a blind
+            known: horizontal motions of vehicles, dead-reckoned; else the last accepted position of a lost
                 vehicle is used, at rest.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
-        blind = fallback.blind
-        if not blind and not self.active:
+        lost = fallback.lost
+        if not lost and not self.active:
             return setpoint
         setpoint, returning = self._climbs.update(setpoint, state, fallback)
-        pos, rest = _places(state, {name: known[name] for name in blind if name in known})
-        self._end(returning.union(blind).intersection(state.names))
+        pos, rest = _places(state, {name: known[name] for name in lost if name in known})
+        self._end(returning.union(lost).intersection(state.names))
         self._begin_anew(setpoint, state.names, (pos[:, :2], rest), dt)
-        sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, blind) >= 0
+        sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, lost) >= 0
         self._turn(returning, state, sent)
         reach = _distances(state.age, gone)
         evading = ~gone & (index_of(state.names, setpoint.names) >= 0)

@@ -59,7 +59,7 @@ class Rejoining:
         Args:
             setpoint: of the tick.
             state: of the tick.
-            away: vehicles that do not follow their setpoints: blind ones, and those that climb back.
+            away: vehicles that do not follow their setpoints: lost ones, and those that climb back.
         """
         t, back = setpoint.t, self._away.difference(away).intersection(setpoint.names, state.names)
         self._away = away

@@ -215,7 +215,8 @@ class VehiclePilot:
             self._link.send_rpyt(replace(self._hover, pwm=round(share * self._hover.pwm)))
         else:
             self._log(
-                f"{self._name} has no command for {limits.command_timeout_stop_s} s and descended blind"
+                f"{self._name} has no command for {limits.command_timeout_stop_s} s and descended without "
+                "feedback"
             )
             self.cut(t)
 

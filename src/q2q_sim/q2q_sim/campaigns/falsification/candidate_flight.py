@@ -69,7 +69,7 @@ class CandidateFlight:
     thrust_exceeded: bool = False
     """Whether no command carried some vehicle at some time."""
     unpredicted_downwash: bool = False
-    """Whether some vehicle was flown blind in a downwash that nothing could predict."""
+    """Whether some vehicle was flown without measurements in a downwash that nothing could predict."""
 
     @property
     def policies(self) -> frozenset[str]:

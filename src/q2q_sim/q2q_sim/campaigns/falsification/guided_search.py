@@ -62,7 +62,7 @@ class GuidedSearch:
     thrust_exceeded: int
     """Runs in which the thrust of some vehicle was exceeded."""
     unpredicted_downwash: int
-    """Runs in which one was flown blind in a downwash that nothing could predict."""
+    """Runs in which one was flown without measurements in a downwash that nothing could predict."""
 
 
 def guided_search(seed: int, length: int, judge: Judge, air: str = "") -> GuidedSearch:

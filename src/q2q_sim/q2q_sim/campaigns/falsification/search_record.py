@@ -34,7 +34,7 @@ class SearchRecord:
     thrust_exceeded: int = 0
     """Runs in which the thrust of some vehicle was exceeded: not judged by all policies."""
     unpredicted_downwash: int = 0
-    """Runs in which one was flown blind in a downwash that nothing could predict: nor are they."""
+    """Runs in which one was lost in a downwash that nothing could predict: nor are they."""
     search: str = ""
     """SEARCH of the module guided_search."""
 

@@ -13,13 +13,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from q2q_control.failsafe import guard
-from q2q_control.failsafe.blind_flight import dead_reckoned_braking
-from q2q_control.failsafe.blind_flight.braking_law import ReckonedMotions, braking_tilt
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.evasion import descent_evasion
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.evasion.evasion_direction import evasion_direction
 from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.tracking_loss import dead_reckoned_braking
+from q2q_control.failsafe.tracking_loss.braking_law import ReckonedMotions, braking_tilt
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import DeadReckonedBraking
 from q2q_model.bag import BagWriter
 from q2q_model.estimation import mocap_filter
 from q2q_model.estimation.association.label_swaps import swapped_sources

@@ -17,9 +17,9 @@
 | state_error | a state marked tracked is within `state_error_max`, unless a sensor errs steadily | states |
 | return | `settle` after the last fault all are within `back`, but for less than `passing` | truth |
 
-A vehicle with too little thrust (thrust_exceeded), or flown blind in a downwash that nothing predicts
-(unpredicted_downwash), is not judged by zone, setpoint_error, floor and return until `settle` after it; in
-the second case nor by separation.
+A vehicle with too little thrust (thrust_exceeded), or flown without measurements in a downwash that nothing
+predicts (unpredicted_downwash), is not judged by zone, setpoint_error, floor and return until `settle` after
+it; in the second case nor by separation.
 """
 
 from q2q_sim.monitors.policies.inputs.circumstances import Circumstances

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from q2q_model.signals.values import Mask, Rows
-from q2q_sim.monitors.policies.exemptions.blind_descent import ends_blind_descent
+from q2q_sim.monitors.policies.exemptions.dead_reckoned_descent import ends_dead_reckoned_descent
 from q2q_sim.monitors.policies.exemptions.feedback_loss import sent_down_lately
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import exempt_lately
 from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
@@ -28,15 +28,15 @@ def falls(trace: FlightTrace, circumstances: Circumstances) -> dict[int, list[in
 
     Take-off and landing are not falls: there the setpoint itself is near the floor. Nor is it a fall that a
     command could prevent if the vehicle is uncontrollable (thrust_exceeded, unpredicted_downwash). A vehicle
-    that was sent down is exempt where that brought it down (blind_descent). One that still lies there when
-    its exemption ends has fallen, at the time of the contact.
+    that was sent down is exempt where that brought it down (dead_reckoned_descent). One that still lies there
+    when its exemption ends has fallen, at the time of the contact.
     """
     limits = circumstances.limits
     sent_down = sent_down_lately(trace, limits.settle)
     exempt = exempt_lately(trace, circumstances)
 
     def is_exempt(contact: Rows, row: int) -> bool:
-        is_brought = ends_blind_descent(trace, row, int(contact[0]), limits.settle)
+        is_brought = ends_dead_reckoned_descent(trace, row, int(contact[0]), limits.settle)
         return bool((exempt[contact, row] | (is_brought & sent_down[contact, row])).all())
 
     found = {

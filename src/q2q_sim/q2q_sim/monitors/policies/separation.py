@@ -53,8 +53,8 @@ def close_pairs(pos: Array, limit: float) -> Iterator[tuple[tuple[int, int], Arr
 def zone(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the pairs in the zone though their setpoints clear it by `stray`.
 
-    Vehicles flown blind drift, vehicles near them evade, vehicles with displaced markers follow them, and
-    uncontrollable vehicles sink: their pairs are exempt until `settle` later.
+    Vehicles without measurements drift, vehicles near them evade, vehicles with displaced markers follow
+    them, and uncontrollable vehicles sink: their pairs are exempt until `settle` later.
     """
     found = []
     entered = in_zone_once(trace.true_pos, circumstances.zone)

@@ -39,10 +39,10 @@ def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Vio
 def setpoint_distances(trace: FlightTrace, limits: Limits) -> Array:
     """Return how far the vehicles are from their setpoints [m], (T, n).
 
-    A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower
-    does not count then, nor for `settle` after it while it climbs again. A blind vehicle stops, and one that
-    evades it is held back, while their setpoints go on: until `settle` after it, the distance beyond the
-    limit is that from the nearest of the setpoints since.
+    A vehicle that lands without measurements goes to the floor, up to 2 m below its setpoint in these rooms:
+    being lower does not count then, nor for `settle` after it while it climbs again. A lost vehicle stops,
+    and one that evades it is held back, while their setpoints go on: until `settle` after it, the distance
+    beyond the limit is that from the nearest of the setpoints since.
     """
     down = sent_down_lately(trace, limits.settle)
     off = _distance(trace.true_pos - trace.sent_pos, down)

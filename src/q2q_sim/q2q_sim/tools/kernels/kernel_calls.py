@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
+from q2q_control.failsafe.tracking_loss.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.neighbours.exchanged_paths import ReceivedPath, accelerations_along, positions_at

@@ -1,8 +1,8 @@
-"""What the guard states of vehicles without measurements (q2q_control.failsafe.blind_flight): they brake.
+"""What the guard states of vehicles without measurements (q2q_control.failsafe.tracking_loss): they brake.
 
 | violation | statement that it breaks |
 |---|---|
-| brake | a vehicle that flies level or lands blind faster than FAST is decelerated |
+| brake | a vehicle that levels or lands without measurements faster than FAST is decelerated |
 
 It was known to be as fast, in the same direction, when it was last measured, is so at the command, and
 nothing has deceived its dead reckoning since (hidden_motion). With v its true horizontal velocity once the
@@ -27,10 +27,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
-from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
 from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
+from q2q_control.failsafe.tracking_loss.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import levels_or_lands
+from q2q_control.failsafe.tracking_loss.dead_reckoning import LAG_S
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.campaigns.falsification.postconditions.hidden_motion import (
@@ -97,7 +97,7 @@ def _braking(ticks: RunTicks) -> _Braking:
 
 
 def _judged(run: Run, ticks: RunTicks) -> Mask:
-    """Return where a vehicle is blind and nothing hides its motion from dead reckoning, (T, n)."""
+    """Return where a vehicle levels or lands and nothing hides its motion from dead reckoning, (T, n)."""
     faults = run.scenario.faults
     hidden = (
         misleading_measurement(ticks, faults)
@@ -105,4 +105,4 @@ def _judged(run: Run, ticks: RunTicks) -> Mask:
         | after_rotor_change(ticks, faults)
     )
     hidden |= in_ignored_downwash(ticks, aware=run.options.aware) | hidden_by_air(run, ticks)
-    return np.asarray(is_blind(ticks.command_status) & ~hidden)
+    return np.asarray(levels_or_lands(ticks.command_status) & ~hidden)

@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
+from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import levels_or_lands
 from q2q_model.flights.masks_over_time import runs_of_true
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
@@ -118,11 +118,11 @@ def _asked(ticks: RunTicks, one: _Encounter) -> Array:
 def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
     """Yield the vehicles steadily measured when another is lost."""
     lost = over_ticks(ticks.states, "status") == TrackStatus.LOST
-    blind = lost | is_blind(ticks.command_status)
+    unmeasured = lost | levels_or_lands(ticks.command_status)
     for j in range(len(ticks.names)):
         for begin, end in runs_of_true(lost[:, j]):
             before = begin - 1
-            if blind[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= before < end - 2:
+            if unmeasured[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= before < end - 2:
                 continue
             low = ticks.truth[before].pos[:, 2] < ticks.truth[before].pos[j, 2] + RISE - UNSURE
             for i in np.flatnonzero(_steady(ticks, before) & low):

@@ -20,7 +20,7 @@ import math
 import numpy as np
 from scipy.signal import lfilter
 
-from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
+from q2q_control.failsafe.tracking_loss.dead_reckoning import LAG_S, OBSERVER
 from q2q_model.flights.masks_over_time import last_row
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask, Rows

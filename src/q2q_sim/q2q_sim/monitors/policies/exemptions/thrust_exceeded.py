@@ -10,7 +10,7 @@ of the four. Where the downwash is unknown, no vehicle is pushed.
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.braking_law import TOUCHDOWN_MAX
+from q2q_control.failsafe.tracking_loss.braking_law import TOUCHDOWN_MAX
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY

@@ -20,4 +20,4 @@ class Circumstances:
     aware: bool = True
     """Whether controllers are given the predicted downwash."""
     exempts_uncontrollable: bool = True
-    """Whether vehicles with too little thrust, or blind in an unpredicted downwash, are not judged."""
+    """Whether vehicles with too little thrust, or lost in an unpredicted downwash, are not judged."""

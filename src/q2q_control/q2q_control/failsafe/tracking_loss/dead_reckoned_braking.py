@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.blind_flight.braking_law import (
+from q2q_control.failsafe.tracking_loss.braking_law import (
     ReckonedMotions,
     braking_thrust,
     braking_tilt,
     resting_places,
 )
-from q2q_control.failsafe.blind_flight.dead_reckoning import (
+from q2q_control.failsafe.tracking_loss.dead_reckoning import (
     LAG_S,
     POS,
     SEEN,
@@ -32,8 +32,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     MeasuredState,
     reckon,
 )
-from q2q_control.failsafe.blind_flight.elapsed_time import GAP_S, ElapsedTime
-from q2q_control.failsafe.blind_flight.fading_downwash import FadingDownwash, Places
+from q2q_control.failsafe.tracking_loss.elapsed_time import GAP_S, ElapsedTime
+from q2q_control.failsafe.tracking_loss.fading_downwash import FadingDownwash, Places
 from q2q_model.signals.values import (
     LAND,
     LEVEL,
@@ -77,7 +77,7 @@ class DeadReckonedBraking:
         self._assumed_eta = np.zeros((0, 3))  # with it fading where vehicles are not measured
         self._fading = FadingDownwash()
         self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
-        self._has_prediction = self._any_blind = False
+        self._has_prediction = self._any_unmeasured = False
         self._t = math.inf
         self._elapsed = ElapsedTime()
 
@@ -108,7 +108,7 @@ class DeadReckonedBraking:
         if state is not None:
             self._eta, self._has_prediction = predicted_eta(interference, names), interference is not None
         self._assumed_eta = self._eta
-        if self._any_blind or unmeasured:
+        if self._any_unmeasured or unmeasured:
             self._fade(state, measured.status)
 
     def reckoned(self, names: Names) -> dict[str, Reckoned]:
@@ -137,7 +137,7 @@ class DeadReckonedBraking:
             command: with fallbacks.
         """
         self._match(state, command.names)
-        braking = is_blind(command.status) & (self._track[:, SEEN] == 0.0)
+        braking = levels_or_lands(command.status) & (self._track[:, SEEN] == 0.0)
         if braking.any():
             roll, pitch = braking_tilt(self._motions)
             level = braking_thrust(self._motions, command, self._hover_thrust)
@@ -180,21 +180,21 @@ class DeadReckonedBraking:
 
     def _fade(self, state: SwarmState | None, status: Status) -> None:
         """Let the downwash of unmeasured vehicles fade; `status` is the TrackStatus, (n,)."""
-        blind = np.flatnonzero(self._track[:, SEEN] == 0.0)
-        self._any_blind = bool(blind.size)
+        unmeasured = np.flatnonzero(self._track[:, SEEN] == 0.0)
+        self._any_unmeasured = bool(unmeasured.size)
         self._assumed_eta = np.where(np.isfinite(self._eta), self._eta, 0.0)
         if state is not None:
             self._others = _measured_others(state, self._names)
         names, pos = self._names + self._others.names, self._track[:, POS : POS + 3]
         places = Places(names, np.vstack((pos, self._others.pos)))
-        followed = (status[blind] != LOST) & self._has_prediction
-        left = self._fading.shares(blind, followed, places, self._t)
-        self._assumed_eta[blind] *= left[:, None]
-        self._assumed_eta[blind, 2] += (1.0 - left) * self._track[blind, TRIM + 2]
+        followed = (status[unmeasured] != LOST) & self._has_prediction
+        left = self._fading.shares(unmeasured, followed, places, self._t)
+        self._assumed_eta[unmeasured] *= left[:, None]
+        self._assumed_eta[unmeasured, 2] += (1.0 - left) * self._track[unmeasured, TRIM + 2]
 
 
-def is_blind(status: Status) -> NDArray[np.bool_]:
-    """Return which vehicles fly level or land without measurements, (n,)."""
+def levels_or_lands(status: Status) -> NDArray[np.bool_]:
+    """Return which vehicles level or land in a fallback, without measurements, (n,)."""
     return np.asarray((status == LEVEL) | (status == LAND))
 
 

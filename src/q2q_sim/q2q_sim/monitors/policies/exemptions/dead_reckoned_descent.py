@@ -1,4 +1,4 @@
-"""Blind descents that end on the floor: a vehicle that was sent down needs height and time to stop.
+"""Dead-reckoned descents that end on the floor: a vehicle that was sent down needs height and time to stop.
 
     t - t_d < T / 2,    z_d - z <= v_d T / 4        uniform braking from v_d to rest within T / 2
 
@@ -25,7 +25,7 @@ SINKING_OVER = 0.1
 """Time up to t_d over which v_d is taken [s]: 2 mm of noise are 3 cm/s, and 2.5 cm of height to stop."""
 
 
-def ends_blind_descent(trace: FlightTrace, row: int, tick: int, settle: float) -> bool:
+def ends_dead_reckoned_descent(trace: FlightTrace, row: int, tick: int, settle: float) -> bool:
     """Return whether vehicle `row` is where a command that sent it down has brought it at a tick."""
     before = np.flatnonzero(_sent_down(trace, row)[: tick + 1])
     if not len(before):

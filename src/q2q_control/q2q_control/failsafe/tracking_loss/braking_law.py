@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.dead_reckoning import (
+from q2q_control.failsafe.tracking_loss.dead_reckoning import (
     ACC,
     JERK,
     LAG_S,

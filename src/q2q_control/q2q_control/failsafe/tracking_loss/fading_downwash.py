@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
+from q2q_control.failsafe.tracking_loss.stacking import stacked_pairs
 from q2q_model.signals.values import Array, Mask, Names, Rows, index_of, rows_by_name
 
 JET_WIDTH = 0.076
@@ -61,7 +61,7 @@ class _Above(NamedTuple):
 class _Known(NamedTuple):
     """A tick at which the downwash of every vehicle without measurements was known."""
 
-    blind: Rows
+    unmeasured: Rows
     """Their rows in `pos`, (m,)."""
     pos: Array
     """[m], world, (n, 3)."""
@@ -83,36 +83,36 @@ class FadingDownwash:
         self._take_offsets()
         self._known_at = self._known_at - by
 
-    def shares(self, blind: Rows, known: Mask, places: Places, t: float) -> Array:
+    def shares(self, unmeasured: Rows, known: Mask, places: Places, t: float) -> Array:
         """Return what is left of the downwash of vehicles without measurements, from 0 to 1, (m,).
 
         Args:
-            blind: their rows in `places`, (m,).
+            unmeasured: their rows in `places`, (m,).
             known: those of them whose downwash is predicted where they are, (m,).
             places: dead-reckoned and measured positions.
             t: time of the tick [s].
         """
         if known.all():
-            self._names, self._last = places.names, _Known(blind, places.pos, t)
-            return np.ones(blind.size)
+            self._names, self._last = places.names, _Known(unmeasured, places.pos, t)
+            return np.ones(unmeasured.size)
         self._take_offsets()
         self._match(places.names)
-        begun = known | np.isnan(self._known_at[blind])
+        begun = known | np.isnan(self._known_at[unmeasured])
         known_at = np.full(len(places.names), np.nan)
-        known_at[blind] = np.where(begun, t, self._known_at[blind])
+        known_at[unmeasured] = np.where(begun, t, self._known_at[unmeasured])
         kept = np.zeros(len(places.names), np.bool_)
-        kept[blind] = ~begun
+        kept[unmeasured] = ~begun
         kept_pairs = self._above.of(kept[self._above.below])
-        self._above, self._known_at = kept_pairs.joined(_above(places.pos, blind[begun])), known_at
-        return _left(self._above, places.pos, t - known_at)[blind]
+        self._above, self._known_at = kept_pairs.joined(_above(places.pos, unmeasured[begun])), known_at
+        return _left(self._above, places.pos, t - known_at)[unmeasured]
 
     def _take_offsets(self) -> None:
         """Take the offsets of the last tick at which all were known, if that was the last tick."""
         if self._last is None:
             return
-        blind, pos, t = self._last
+        unmeasured, pos, t = self._last
         self._known_at, self._last = np.full(len(pos), np.nan), None
-        self._known_at[blind], self._above = t, _above(pos, blind)
+        self._known_at[unmeasured], self._above = t, _above(pos, unmeasured)
 
     def _match(self, names: Names) -> None:
         """Match the stored rows to `names`."""
