@@ -82,7 +82,7 @@ def run() -> list[Row]:
 
 
 def _stacked(pairs: int) -> Flight:
-    """Return pairs 3 m apart whose upper vehicles glide over the lower ones at 0.05 m/s."""
+    """Return pairs 3 m apart whose upper vehicles fly over the lower ones at 0.05 m/s."""
     names = tuple(f"cf{k}" for k in range(2 * pairs))
     n, t = 2 * pairs, np.arange(0.0, STEPS * DT + 4.0, DT)
     samples = np.zeros((n, t.size, 9))

@@ -23,8 +23,8 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
+from q2q_planner.plan_playback.transit import TransitParams
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
@@ -54,7 +54,7 @@ class ProcedureRoom:
         self.fleet = fleet_in(self.room, scenario, params)
         self.blocks = blocks_of(scenario, BlockChoices("aware"), find_model(scenario.model).interaction)
         self.plan = plan or self.blocks.plan
-        self.player = PlanPlayer(self.plan, -1.0, GlideParams(), wait=True)
+        self.player = PlanPlayer(self.plan, -1.0, TransitParams(), wait=True)
         self._monkeypatch = monkeypatch
         self.log: list[str] = []
         """Calls of servers, in order."""
@@ -86,7 +86,7 @@ class ProcedureRoom:
         calls = {
             "wait": self.player.wait,
             "wait_landed": self.player.wait_landed,
-            "glide": self.player.glide,
+            "transit": self.player.transit,
             "start": self.player.start,
             "hold": self.player.hold,
         }

@@ -43,7 +43,7 @@ def test_the_integral_of_the_ground_is_not_flown(procedure: str) -> None:
     node.takers[procedure](DiagnosticStatus(message=Step.HOVER.value))
     grown = [pitch(node, tick) for tick in range(2, 200)][-1]
     assert grown > 1.2 * first
-    node.takers[procedure](DiagnosticStatus(message=Step.GLIDE.value))
+    node.takers[procedure](DiagnosticStatus(message=Step.TRANSIT.value))
     assert pitch(node, 200) == first
 
 
@@ -75,7 +75,7 @@ def test_the_integral_of_the_ground_is_not_flown_after_a_node_that_was_killed_in
     first = pitch(node, 1)
     grown = [pitch(node, tick) for tick in range(2, 200)][-1]
     assert grown > 1.2 * first
-    node.takers[STATUS_TOPIC](_status("crazyswarm", Step.GLIDE))
+    node.takers[STATUS_TOPIC](_status("crazyswarm", Step.TRANSIT))
     assert pitch(node, 200) == first
 
 
@@ -100,5 +100,5 @@ def test_the_hand_over_of_another_nodes_vehicles_resets_no_controller_in_flight(
     for name, step in (("a", Step.FLIGHT), ("b", Step.HOVER)):
         node.takers[STATUS_TOPIC](DiagnosticStatus(name=name, message=step.value))
     grown = [pitch(node, tick) for tick in range(2, 200)][-1]
-    node.takers[STATUS_TOPIC](DiagnosticStatus(name="b", message=Step.GLIDE.value))
+    node.takers[STATUS_TOPIC](DiagnosticStatus(name="b", message=Step.TRANSIT.value))
     assert pitch(node, 200) >= grown > 1.2 * first

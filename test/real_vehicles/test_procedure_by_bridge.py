@@ -17,8 +17,8 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoin
 
 SERVERS_ORDER = [
     "trajectory/wait_landed", "arm", "notify_setpoints_stop", "takeoff",
-    "trajectory/glide", "cmd_full_state", "trajectory/start", "cmd_full_state",
-    "trajectory/glide", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
+    "trajectory/transit", "cmd_full_state", "trajectory/start", "cmd_full_state",
+    "trajectory/transit", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
 ]  # fmt: skip
 
 

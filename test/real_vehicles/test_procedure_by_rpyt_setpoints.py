@@ -12,8 +12,8 @@ from q2q_control.flight_procedure.steps import Call
 
 COMMANDS_ORDER = [
     "trajectory/wait_landed", "arm", "thrust 0", "notify_setpoints_stop", "takeoff",
-    "trajectory/glide", "cmd_vel_legacy", "trajectory/start", "cmd_vel_legacy",
-    "trajectory/glide", "cmd_vel_legacy", "notify_setpoints_stop", "land", "arm",
+    "trajectory/transit", "cmd_vel_legacy", "trajectory/start", "cmd_vel_legacy",
+    "trajectory/transit", "cmd_vel_legacy", "notify_setpoints_stop", "land", "arm",
 ]  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def test_a_start_by_rpyt_setpoints_unlocks_the_thrust_of_vehicles_in_the_air(
     assert room.call("arm").granted
     server.take_off(0.8, 2.0)
     room.wait(3.0)
-    assert room.player.glide().granted
+    assert room.player.transit().granted
     room.wait(2.0)
     said_in_order(room)
     assert room.call(Call.START).granted

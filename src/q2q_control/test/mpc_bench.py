@@ -82,7 +82,7 @@ def signals(t: float, names: Names, pos: Array, vel: Array, ref: Array):
 
 
 def pass_over(speed: float = 0.25, start: float = 1.0, gap: float = 0.5) -> SampledPreview:
-    """Return cf1 hovering and cf2 gliding over it from y = start [m] at a speed [m/s]."""
+    """Return cf1 hovering and cf2 flying over it from y = start [m] at a speed [m/s]."""
     t = np.arange(0.0, 12.0, DT)
     samples = np.zeros((2, t.size, 9))
     samples[0, :, 2] = 1.5

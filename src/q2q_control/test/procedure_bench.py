@@ -121,7 +121,7 @@ class Bench:
             return
         moves: dict[Act, Callable[[], None]] = {
             Act.TAKE_OFF: lambda: self.move(at_height(self.pos, order.height)),
-            Act.GLIDE: lambda: self.move(FIRST if self.procedure.step is Step.HOLD else self.pos),
+            Act.TRANSIT: lambda: self.move(FIRST if self.procedure.step is Step.HOLD else self.pos),
             Act.STREAM: lambda: self.move(FIRST),
             Act.START: lambda: None,
             Act.LAND: lambda: self.move(at_height(self.pos, order.height)),

@@ -5,8 +5,8 @@ import numpy as np
 from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
+from q2q_planner.plan_playback.transit import TransitParams
 
 NAMES = ("cf1", "cf2")
 PLAN = minimum_snap_plan(
@@ -25,10 +25,10 @@ class PlayedRoom:
     """Frames of vehicles that stay where they are put."""
 
     def __init__(self, pos: Array = GROUND) -> None:
-        self.player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+        self.player = PlanPlayer(PLAN, -1.0, TransitParams(), wait=True)
         self.pos, self.t = pos, 100.0
         self.setpoints: list[SwarmSetpoint] = []
-        self.player.update(frame(self.t, self.pos))  # a glide begins where two frames agree
+        self.player.update(frame(self.t, self.pos))  # a transit begins where two frames agree
 
     def tick(self, seconds: float = STEP) -> SwarmSetpoint:
         """Play on for a time [s]; return the last reference."""

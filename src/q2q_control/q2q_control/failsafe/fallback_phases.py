@@ -14,9 +14,9 @@ The age is the time since the newest accepted measurement, by the stamps and age
 without a packet and cuts after 2 s: the last resort if the controller itself has died.
 
 A descent without measurements takes 2.8 s from 2 m: at (1 - land_share) g down to 0.8 m/s, then braked to
-1.1 m/s, at which it touches down (q2q_control.failsafe.tracking_loss.braking_law). Where the ratio k of actual
-to commanded thrust is not known (1.03 in real flights, q2q_sim.scenarios.room_profiles), it takes up to
-sqrt(2 h / a) from a height h, at a = (1 - land_share k) g: 3.6 s from 2 m.
+1.1 m/s, at which it touches down (q2q_control.failsafe.tracking_loss.braking_law). Where the ratio k of
+actual to commanded thrust is not known (1.03 in real flights, q2q_sim.scenarios.room_profiles), it takes up
+to sqrt(2 h / a) from a height h, at a = (1 - land_share k) g: 3.6 s from 2 m.
 """
 
 from dataclasses import replace

@@ -16,8 +16,11 @@ STATUS_TOPIC = "procedure/status"
 RECORDED_STATUS_TOPICS = ("radio/status", "crazyswarm/status")
 """Topics of the steps in bags of nodes that had them under their own names."""
 
-_FOLLOWS = {step.value for step in FOLLOWS_SETPOINTS}
-_FLYING = {step.value for step in FLYING}
+RECORDED_TRANSIT = "glide"
+"""Name of the step `transit` in bags of nodes that called it so."""
+
+_FOLLOWS = {step.value for step in FOLLOWS_SETPOINTS} | {RECORDED_TRANSIT}
+_FLYING = {step.value for step in FLYING} | {RECORDED_TRANSIT}
 _LANDING = Step.LANDING.value
 
 

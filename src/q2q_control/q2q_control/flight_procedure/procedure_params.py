@@ -39,7 +39,7 @@ class FlightProcedureParams:
     )
     take_off_s: float = tunable(2.0, "duration of a take-off", unit="s", low=0.5, high=60.0)
     land_home: bool = tunable(
-        default=True, description="glide to the plan's first points before a landing from a hold"
+        default=True, description="transit to the plan's first points before a landing from a hold"
     )
     start_tolerance: float = tunable(
         0.3, "largest distance of a vehicle from its start point at a take-off", unit="m", low=0.01, high=5.0
@@ -115,7 +115,7 @@ class FlightProcedureParams:
         check_bounds(self)
         if self.settle_s >= self.step_timeout_s:
             allowed = f"less than step_timeout_s = {self.step_timeout_s:g} s is allowed"
-            raise ValueError(f"settle_s = {self.settle_s:g}: {allowed}, or no glide is completed in time")
+            raise ValueError(f"settle_s = {self.settle_s:g}: {allowed}, or no transit is completed in time")
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
             raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
         if max(abs(wall) for wall in self.room) > FULL_STATE_RANGE:

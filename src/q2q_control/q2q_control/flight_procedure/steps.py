@@ -16,7 +16,7 @@ class Step(Enum):
     ARMING = "arming"
     TAKE_OFF = "take-off"
     HOVER = "hover"
-    GLIDE = "glide"
+    TRANSIT = "transit"
     FLIGHT = "flight"
     HOLD = "hold"
     LANDING = "landing"
@@ -26,10 +26,10 @@ class Step(Enum):
 
 
 ON_GROUND = frozenset({Step.OFFLINE, Step.CONNECTED, Step.CHECKED})
-FLYING = frozenset({Step.TAKE_OFF, Step.HOVER, Step.GLIDE, Step.FLIGHT, Step.HOLD})
+FLYING = frozenset({Step.TAKE_OFF, Step.HOVER, Step.TRANSIT, Step.FLIGHT, Step.HOLD})
 
 
-FOLLOWS_SETPOINTS = frozenset({Step.GLIDE, Step.FLIGHT, Step.HOLD})
+FOLLOWS_SETPOINTS = frozenset({Step.TRANSIT, Step.FLIGHT, Step.HOLD})
 """Setpoints, or the commands that follow them, are flown."""
 
 
@@ -55,7 +55,7 @@ class Act(Enum):
     WAIT = "let the reference rest at the vehicles"
     ARM = "arm"
     TAKE_OFF = "take off"
-    GLIDE = "glide to the plan's first point"
+    TRANSIT = "transit to the plan's first point"
     STREAM = "stream setpoints"
     START = "start the plan's clock"
     BRAKE = "brake along the plan"

@@ -92,7 +92,7 @@ class ProcedureServices:
         self._call(Call.EMERGENCY)
 
     def land_here(self) -> float:
-        """Land without a glide; return how long to wait for that [s], 0 if vehicles stand on the ground."""
+        """Land without a transit; return how long to wait for that [s], 0 if vehicles stand on the ground."""
         seconds = self._flight.land_here(monotonic())
         self._pass_on()
         return seconds

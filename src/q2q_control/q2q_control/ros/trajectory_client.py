@@ -1,4 +1,4 @@
-"""Client of the node `trajectory`: wait, glide, start, hold.
+"""Client of the node `trajectory`: wait, transit, start, hold.
 
 It waits by `wait_landed`: the procedure lets only vehicles take off that stand on the ground.
 """
@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 from q2q_control.flight_procedure.steps import Act
 from q2q_model.node.reply import Reply
 
-CALLS = {Act.WAIT: "wait_landed", Act.GLIDE: "glide", Act.START: "start", Act.BRAKE: "hold"}
+CALLS = {Act.WAIT: "wait_landed", Act.TRANSIT: "transit", Act.START: "start", Act.BRAKE: "hold"}
 """The service of each act."""
 
 

@@ -147,17 +147,17 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
 
 def test_downwashs_come_from_where_their_source_was():
     teacher = Teacher(PARAMS, CRAZYFLIE_2_0, MEASURED_LAW, 0.6)
-    gliding = random_situations(1, PARAMS.step, np.random.default_rng(0))
+    drawn = random_situations(1, PARAMS.step, np.random.default_rng(0))
     t = np.arange(STAGES + 1) * PARAMS.step
-    paths = np.zeros_like(gliding.paths)
+    paths = np.zeros_like(drawn.paths)
     paths[0, 1, :, 2] = 0.75  # source above
     still, moving = paths.copy(), paths.copy()
-    still[0, 0, :, 1] = 0.5 * t - 0.5  # the lower one glides under a hovering one
-    moving[0, 1, :, 1] = -0.5 * t + 0.5  # the upper one glides over a hovering one
+    still[0, 0, :, 1] = 0.5 * t - 0.5  # the lower one flies under a hovering one
+    moving[0, 1, :, 1] = -0.5 * t + 0.5  # the upper one flies over a hovering one
     (eta_still, _), (eta_moving, _) = (
         downwash_between(path, np.zeros(1), teacher) for path in (still, moving)
     )
-    # at the middle of stage 19, 0.975 s, the two are 12.5 mm apart; the air takes 0.1 s = 50 mm of glide
+    # at the middle of stage 19, 0.975 s, the two are 12.5 mm apart; the air takes 0.1 s = 50 mm of flight
     width = MEASURED_LAW.width
     peak = MEASURED_LAW.strength * np.exp(-MEASURED_LAW.decay_rate * 0.35)
     assert eta_still[0, 0, 19] == pytest.approx(-peak * np.exp(-(0.0125**2) / (2 * width**2)), rel=1e-6)

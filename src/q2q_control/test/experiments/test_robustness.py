@@ -107,7 +107,7 @@ FLOWN = [
 
 
 def plan() -> SampledPreview:
-    """Return cf1 hovering at 1 m, cf2 gliding over it 0.5 m higher at 0.125 m/s."""
+    """Return cf1 hovering at 1 m, cf2 flying over it 0.5 m higher at 0.125 m/s."""
     t = np.arange(0.0, TICKS * DT + 4.0, DT)
     samples = np.zeros((2, t.size, 9))
     samples[0, :, 2] = 1.0

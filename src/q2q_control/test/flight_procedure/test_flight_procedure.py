@@ -31,7 +31,7 @@ def test_the_whole_procedure_in_order_three_times_in_a_row() -> None:
         answer = bench.asked(Call.LAND)
         assert answer == Reply(granted=True, reason="on the ground: cf1 at -0.80 m, cf2 at -0.80 m; disarmed")
         assert bench.acts == [
-            Act.WAIT, Act.ARM, Act.TAKE_OFF, Act.GLIDE, Act.STREAM, Act.START, Act.GLIDE, Act.STOP_STREAM,
+            Act.WAIT, Act.ARM, Act.TAKE_OFF, Act.TRANSIT, Act.STREAM, Act.START, Act.TRANSIT, Act.STOP_STREAM,
             Act.LAND, Act.DISARM,
         ]  # fmt: skip
         bench.sent.clear()
@@ -120,7 +120,7 @@ def test_a_server_that_does_not_stop_setpoints_keeps_the_vehicles_flying_them() 
     assert not answer.granted
     assert "call land again, or emergency" in answer.reason
     assert bench.streams()
-    assert bench.acts == [Act.GLIDE, Act.STOP_STREAM]
+    assert bench.acts == [Act.TRANSIT, Act.STOP_STREAM]
 
 
 def test_setpoints_are_flown_only_from_the_hand_over_to_the_landing() -> None:
@@ -134,9 +134,9 @@ def test_setpoints_are_flown_only_from_the_hand_over_to_the_landing() -> None:
     assert not bench.streams()
 
 
-def test_a_glide_that_cannot_be_certified_leaves_the_vehicles_hovering() -> None:
+def test_a_transit_that_cannot_be_certified_leaves_the_vehicles_hovering() -> None:
     words = "cf1 and cf2 would come 0.15 m into each other's zone at 1.2 s"
-    bench = up_to(Step.HOVER, refuses={Act.GLIDE: words})
+    bench = up_to(Step.HOVER, refuses={Act.TRANSIT: words})
     assert bench.asked(Call.FLY) == Reply(granted=False, reason=words)
     assert bench.procedure.step is Step.HOVER
     assert not bench.streams()
@@ -153,12 +153,12 @@ def test_a_plan_that_leaves_the_room_is_refused_in_the_air_too() -> None:
 
 
 def test_setpoints_far_from_the_vehicles_are_not_taken_over() -> None:
-    bench = up_to(Step.HOVER, stuck={Act.GLIDE})
+    bench = up_to(Step.HOVER, stuck={Act.TRANSIT})
     bench.setpoint_pos = FIRST + up(0.9)  # trajectory plays something of its own
     answer = bench.asked(Call.FLY)
     assert "cf1 is 1.40 m from its setpoint" in answer.reason
     assert bench.procedure.step is Step.HOVER
-    assert bench.acts == [Act.GLIDE]
+    assert bench.acts == [Act.TRANSIT]
 
 
 def test_a_setpoint_that_jumps_in_flight_is_not_flown_and_all_land() -> None:
@@ -170,11 +170,11 @@ def test_a_setpoint_that_jumps_in_flight_is_not_flown_and_all_land() -> None:
     assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
-def test_a_glide_whose_setpoints_rest_short_of_the_first_points_fails() -> None:
+def test_a_transit_whose_setpoints_rest_short_of_the_first_points_fails() -> None:
     bench = up_to(Step.HOVER)
     bench.call(Call.FLY)
     bench.wait(0.1)
-    assert bench.procedure.step is Step.GLIDE
+    assert bench.procedure.step is Step.TRANSIT
     bench.pos = bench.setpoint_pos = FIRST - up(0.05)  # a replanner holds them off
     bench.wait(bench.params.step_timeout_s + 0.5)
     answer = bench.answer()
@@ -189,7 +189,7 @@ def test_setpoints_that_never_rest_are_reported_and_a_second_land_lands() -> Non
     assert "do not come to rest" in bench.asked(Call.HOLD, bench.params.step_timeout_s + 0.5).reason
     assert bench.call(Call.LAND) is None
     bench.wait(1.0)
-    assert bench.procedure.step is Step.GLIDE
+    assert bench.procedure.step is Step.TRANSIT
     assert bench.call(Call.LAND) is None
     bench.wait(8.0)
     assert [(call, reply.granted) for call, reply in bench.replies] == [(Call.LAND, True)]  # of both calls
@@ -236,10 +236,10 @@ def test_an_emergency_cuts_from_any_step_and_lets_nothing_start_before_a_restart
     assert bench.asked(Call.TAKE_OFF).granted
 
 
-def test_a_plan_is_flown_again_from_the_hold_by_a_new_glide() -> None:
+def test_a_plan_is_flown_again_from_the_hold_by_a_new_transit() -> None:
     bench = up_to(Step.HOLD)
     assert bench.asked(Call.FLY, 3.0).granted
-    assert bench.acts == [Act.GLIDE, Act.START]  # setpoints are streamed all the while
+    assert bench.acts == [Act.TRANSIT, Act.START]  # setpoints are streamed all the while
 
 
 def test_a_start_joins_setpoints_at_the_vehicles_and_none_that_are_far() -> None:

@@ -28,9 +28,9 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "mpc": lambda: Mpc(MpcParams(), CRAZYFLIE_2_1, NoInteraction()),
 }
 BEGINS = [
-    ([Step.CHECKED, Step.ARMING, Step.TAKE_OFF, Step.HOVER, Step.GLIDE, Step.FLIGHT], Step.GLIDE),
+    ([Step.CHECKED, Step.ARMING, Step.TAKE_OFF, Step.HOVER, Step.TRANSIT, Step.FLIGHT], Step.TRANSIT),
     ([Step.CHECKED, Step.ARMING, Step.FLIGHT], Step.FLIGHT),
-    ([Step.HOLD, Step.GLIDE, Step.FLIGHT, Step.HOLD], None),
+    ([Step.HOLD, Step.TRANSIT, Step.FLIGHT, Step.HOLD], None),
     ([Step.FLIGHT, Step.LANDING, Step.HOLD], None),
     ([Step.FLIGHT, Step.LANDING, Step.DISARMING, Step.CONNECTED], None),
 ]
@@ -86,6 +86,13 @@ def test_commands_begin_to_be_flown_once_a_flight(steps: list[Step], begins: Ste
     assert [step for step in steps if hand_over.update(step.value)] == ([] if begins is None else [begins])
 
 
+def test_the_step_of_older_bags_to_the_first_points_is_a_transit() -> None:
+    hand_over = HandOver()
+    assert not hand_over.update(Step.CHECKED.value)
+    assert hand_over.update("glide")
+    assert hand_over.flying
+
+
 def test_a_controller_that_is_started_in_flight_has_nothing_to_forget() -> None:
     assert not HandOver().update(Step.FLIGHT.value)
 
@@ -95,8 +102,8 @@ def test_a_controller_that_flies_vehicles_of_one_procedure_does_not_start_anew_f
     taken = [
         hand_overs.update(name, step.value)
         for name, step in (
-            ("a", Step.CHECKED), ("b", Step.CHECKED), ("a", Step.GLIDE),
-            ("b", Step.HOVER), ("b", Step.GLIDE), ("b", Step.LANDING), ("b", Step.CONNECTED),
+            ("a", Step.CHECKED), ("b", Step.CHECKED), ("a", Step.TRANSIT),
+            ("b", Step.HOVER), ("b", Step.TRANSIT), ("b", Step.LANDING), ("b", Step.CONNECTED),
             ("a", Step.LANDING), ("a", Step.CONNECTED), ("b", Step.FLIGHT),
         )
     ]  # fmt: skip
@@ -107,8 +114,8 @@ def test_a_procedure_whose_node_has_gone_flies_no_vehicle() -> None:
     hand_overs = HandOvers()
     hand_overs.update("a", Step.FLIGHT.value)
     begins, flying = [], []
-    for step, publishing in ((Step.CHECKED, {"a", "b"}), (Step.GLIDE, {"a", "b"}), (Step.CHECKED, {"b"}),
-                             (Step.GLIDE, {"b"})):  # fmt: skip
+    for step, publishing in ((Step.CHECKED, {"a", "b"}), (Step.TRANSIT, {"a", "b"}), (Step.CHECKED, {"b"}),
+                             (Step.TRANSIT, {"b"})):  # fmt: skip
         hand_overs.end_absent(publishing)
         begins.append(hand_overs.update("b", step.value))
         flying.append(hand_overs.flying)
@@ -117,7 +124,7 @@ def test_a_procedure_whose_node_has_gone_flies_no_vehicle() -> None:
 
 
 @pytest.mark.parametrize(
-    ("back", "begins"), [([Step.FLIGHT], [False]), ([Step.CHECKED, Step.GLIDE], [False, True])]
+    ("back", "begins"), [([Step.FLIGHT], [False]), ([Step.CHECKED, Step.TRANSIT], [False, True])]
 )
 def test_a_procedure_that_is_back_begins_a_flight_from_the_ground_only(
     back: list[Step], begins: list[bool]
@@ -135,7 +142,7 @@ def test_a_procedure_of_a_bag_that_another_node_plays_goes_on_to_fly() -> None:
     hand_overs.update("a", Step.FLIGHT.value)
     hand_overs.end_absent({"bag_play"})
     assert hand_overs.flying
-    assert not hand_overs.update("b", Step.GLIDE.value)
+    assert not hand_overs.update("b", Step.TRANSIT.value)
 
 
 def test_vehicles_fly_while_those_of_any_procedure_do() -> None:

@@ -173,10 +173,10 @@ def test_in_a_dry_run_no_single_act_is_sent() -> None:
 def test_an_order_to_vehicles_is_not_concluded_by_a_late_outcome_of_the_plan() -> None:
     piloted, vehicles, plan = in_hover()
     assert piloted.call(Call.FLY, 1.05) is None
-    assert plan.begun[-1] is Act.GLIDE
+    assert plan.begun[-1] is Act.TRANSIT
     assert piloted.call(Call.LAND, 1.06) is None
     assert vehicles.begun[-1] is Act.STOP_STREAM
-    plan.result = Reply(granted=False, reason="no such glide")
+    plan.result = Reply(granted=False, reason="no such transit")
     piloted.update(1.07)
     assert vehicles.begun[-1] is Act.STOP_STREAM, "its setpoints are not stopped yet"
     vehicles.result = DONE

@@ -22,9 +22,9 @@ def test_no_ground_may_be_so_near_that_noise_keeps_vehicles_from_it() -> None:
 
 @pytest.mark.parametrize(("settle_s", "step_timeout_s"), [(6.0, 5.0), (1.0, 1.0), (1.0, 0.8)])
 def test_no_rest_may_last_as_long_as_the_time_allowed_for_it(settle_s: float, step_timeout_s: float) -> None:
-    """Every glide failed, and take-offs with 6 of 5 s."""
+    """Every transit failed, and take-offs with 6 of 5 s."""
     allowed = (
-        rf"settle_s = {settle_s:g}: less than step_timeout_s = {step_timeout_s:g} s is allowed, or no glide"
+        rf"settle_s = {settle_s:g}: less than step_timeout_s = {step_timeout_s:g} s is allowed, or no transit"
     )
     with pytest.raises(ValueError, match=allowed):
         replace(PARAMS, settle_s=settle_s, step_timeout_s=step_timeout_s)

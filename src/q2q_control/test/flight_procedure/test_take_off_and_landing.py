@@ -148,16 +148,16 @@ def test_a_landing_that_ends_at_the_last_moment_is_waited_for() -> None:
     assert again.answer().granted
 
 
-def test_vehicles_that_overlap_glide_apart_before_they_land() -> None:
+def test_vehicles_that_overlap_transit_apart_before_they_land() -> None:
     bench = up_to(Step.HOLD)
     bench.move(FIRST[0] + np.array([[0.0, 0.0, 0.0], [0.06, -0.08, 0.5]]))
     bench.call(Call.LAND)
     bench.wait(STEP)
-    assert bench.acts == [Act.GLIDE]
+    assert bench.acts == [Act.TRANSIT]
     bench.move(FIRST)
     bench.wait(6.0)
     assert bench.answer().granted
-    assert bench.acts == [Act.GLIDE, Act.STOP_STREAM, Act.LAND, Act.DISARM]
+    assert bench.acts == [Act.TRANSIT, Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
 def test_a_landing_takes_as_long_as_the_highest_vehicle_needs_above_the_ground() -> None:

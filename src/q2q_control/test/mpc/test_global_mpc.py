@@ -13,7 +13,7 @@ from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 
 def slow_pass(count: int = 81, seconds: float = 8.0) -> GlobalProblem:
-    """Return cf1 hovering and cf2 gliding over it at 0.05 m/s: more downwash than 6.6 N can carry."""
+    """Return cf1 hovering and cf2 flying over it at 0.05 m/s: more downwash than 6.6 N can carry."""
     t = np.linspace(0.0, seconds, count)
     reference = np.zeros((2, count, 9))
     reference[0, :, 2] = 1.5

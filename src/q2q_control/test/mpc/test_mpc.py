@@ -87,11 +87,11 @@ def test_with_all_axes_coupled_vehicles_may_step_aside_and_with_z_alone_they_do_
 
 def test_the_predicted_downwashs_are_those_that_come_with_their_delay():
     model = replace(MEASURED_LAW, strength=0.3)
-    glide, when = pass_over(gap=0.6), np.arange(0.0, 2.05, 0.05)
+    passage, when = pass_over(gap=0.6), np.arange(0.0, 2.05, 0.05)
     predictor, eta = InteractionPredictor(model), []
     middles = 2.0 + 0.5 * (when[1:] + when[:-1])
     for t in np.arange(1.0, 4.0, 0.005):
-        at = glide.at(PAIR, np.array([t]))[:, 0]
+        at = passage.at(PAIR, np.array([t]))[:, 0]
         state = signals(float(t), PAIR, at[:, :3], at[:, 3:6], at)[0]
         eta.append(predictor.update(state).acc)
     exact = np.stack(
@@ -99,7 +99,7 @@ def test_the_predicted_downwashs_are_those_that_come_with_their_delay():
     )
     past = np.arange(1.0, 2.0, 0.01)
     times = np.concatenate([past, 2.0 + when])
-    pos = glide.at(PAIR, times)[..., :3].transpose(1, 0, 2)
+    pos = passage.at(PAIR, times)[..., :3].transpose(1, 0, 2)
     axis = np.tile([0.0, 0.0, 1.0], (2, when.size - 1, 1))
     found = predict_downwash(
         model, Tracks(times, pos, axis, np.ones((2, middles.size)), past.size), GradientRule((2,), 10.0)

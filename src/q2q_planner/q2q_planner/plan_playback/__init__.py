@@ -1,1 +1,1 @@
-"""Playback of plans: start, glide, brake and hold, tick by tick."""
+"""Playback of plans: start, transit, brake and hold, tick by tick."""

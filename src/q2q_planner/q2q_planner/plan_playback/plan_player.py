@@ -1,18 +1,18 @@
 """Player of a plan, tick by tick: from a given stamp, from the first tick or, waiting, by calls.
 
-    rest -- glide --> gliding, then at the first points -- start --> the plan, then at its last points
+    rest -- transit --> on its way, then at the first points -- start --> the plan, then at its last points
                               |                                        |
                               +------------ hold: braking, rest <------+
 
 While waiting (`wait`), the reference follows the measured vehicles, but not outliers of one frame: it
 commands no motion. Nothing would keep vehicles in flight where they are, and `wait` is refused while one is
 at its reference. After a low flight one that has landed is there, too: `wait_landed` is for callers that know
-it has. Calls never make the reference jump: a glide starts where it rests, the plan starts where the glide
-has ended. They act at the newest stamp, whatever late frames come after it, or ones far ahead; in play,
-frames that are off by more than SET_BACK_S get the last reference under their stamps. If the clock steps by
-more, or frames pause, what was called (a glide, a start, a hold) goes on from there, and so does a plan that
-began with the first tick; but that begins again with a clock that was set back, unless it comes back from a
-step ahead (q2q_model.signals.clock_resets). A plan with a given start keeps to its stamps.
+it has. Calls never make the reference jump: a transit starts where it rests, the plan starts where the
+transit has ended. They act at the newest stamp, whatever late frames come after it, or ones far ahead; in
+play, frames that are off by more than SET_BACK_S get the last reference under their stamps. If the clock
+steps by more, or frames pause, what was called (a transit, a start, a hold) goes on from there, and so does a
+plan that began with the first tick; but that begins again with a clock that was set back, unless it comes
+back from a step ahead (q2q_model.signals.clock_resets). A plan with a given start keeps to its stamps.
 """
 
 from dataclasses import dataclass, replace
@@ -26,8 +26,8 @@ from q2q_model.signals.repeated_stamp import StampOrder
 from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.plan_playback.braked_plan import brake_plan
-from q2q_planner.plan_playback.glide import GlideParams, glide, wrap_angles
 from q2q_planner.plan_playback.measured_poses import SEEN_AT_REST, MeasuredPoses, RestingReference
+from q2q_planner.plan_playback.transit import TransitParams, transit_plan, wrap_angles
 
 AT_FIRST = 1e-3
 """Largest distance of the reference from the first points at which the plan may start [m]."""
@@ -58,7 +58,7 @@ class Played:
 class PlanPlayer:
     """Plan that is played, and the last measured positions."""
 
-    def __init__(self, plan: SwarmPlan, start: float, params: GlideParams, *, wait: bool) -> None:
+    def __init__(self, plan: SwarmPlan, start: float, params: TransitParams, *, wait: bool) -> None:
         """Play from the stamp `start` [s], from the first tick if it is negative, or wait for calls.
 
         Raises:
@@ -117,17 +117,17 @@ class PlanPlayer:
         self.played, self._wait = None, True
         return Reply(granted=True, reason="waiting")
 
-    def glide(self) -> Reply:
-        """Glide the reference from its rest to the plan's first points."""
+    def transit(self) -> Reply:
+        """Lead the reference from its rest to the plan's first points."""
         here = self._rest()
         if isinstance(here, Reply):
             return here
         try:
-            plan = glide(self._plan.names, here, self._first(), self._params)
+            plan = transit_plan(self._plan.names, here, self._first(), self._params)
         except ValueError as refusal:
             return Reply(granted=False, reason=str(refusal))
         self.played = Played(plan, self._now(), called=True)
-        return Reply(granted=True, reason=f"gliding for {plan.duration:.1f} s, certified")
+        return Reply(granted=True, reason=f"in transit for {plan.duration:.1f} s, certified")
 
     def start(self) -> Reply:
         """Start the plan's clock."""
@@ -135,13 +135,13 @@ class PlanPlayer:
         if isinstance(here, Reply):
             return here
         if self.played is None:
-            return Reply(granted=False, reason="the reference follows the measured vehicles: glide first")
+            return Reply(granted=False, reason="the reference follows the measured vehicles: transit first")
         off = here - self._first()
         far, turned = np.linalg.norm(off[:, :3], axis=1), np.abs(wrap_angles(off[:, 3]))
         row = int(np.maximum(far, turned).argmax())
         if max(far[row], turned[row]) > AT_FIRST:
             state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m and {turned[row]:.2f} rad"
-            return Reply(granted=False, reason=f"{state} from its first point: glide first")
+            return Reply(granted=False, reason=f"{state} from its first point: transit first")
         self.played = Played(self._plan, self._now(), called=True)
         return Reply(granted=True, reason=f"the plan has started and takes {self._plan.duration:.1f} s")
 

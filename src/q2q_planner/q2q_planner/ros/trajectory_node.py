@@ -1,7 +1,7 @@
 """Trajectory node: `mocap` ticks in, `reference` out; the played plan is latched on `plan`.
 
 With `wait` the plan is played by calls (q2q_planner.plan_playback.plan_player): the reference follows the
-measured vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the
+measured vehicles; `~/transit` leads it to the plan's first points on a certified plan, `~/start` starts the
 plan's clock, `~/hold` brakes along the plan, `~/wait` waits again after a landing (refused while a vehicle is
 within 0.25 m of its reference: in flight it would drift), `~/wait_landed` does so without that check, for
 callers that have found all vehicles on the ground. The waiting plan is latched on `next_plan`. For real
@@ -29,8 +29,8 @@ from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.offline.certificate.certified_file import load_plan
-from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer, Played
+from q2q_planner.plan_playback.transit import TransitParams
 
 LAST_STAMP = 2147483647.0
 """Last second of a message's stamp [s]: its seconds are an int32 (builtin_interfaces/Time)."""
@@ -38,7 +38,7 @@ LAST_STAMP = 2147483647.0
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryParams:
-    """Parameters of the node, without those of the glide."""
+    """Parameters of the node, without those of the transit."""
 
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
@@ -63,7 +63,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
             "parameter plan is empty: give a plan file, e.g. one written by `ros2 run q2q_planner plan`"
         )
     plan = load_plan(Path(params.plan))
-    player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
+    player = PlanPlayer(plan, params.start, declare(node, TransitParams()), wait=params.wait)
     played = _PlayedPlan(player, node.create_publisher(Plan, PLAN, LATCHED))
     if player.played is not None:  # known before the first tick, in time for previews
         note_latched(node, played.publisher)
@@ -75,7 +75,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
     calls = {
         "wait": player.wait,
         "wait_landed": player.wait_landed,
-        "glide": player.glide,
+        "transit": player.transit,
         "start": player.start,
         "hold": player.hold,
     }

@@ -113,7 +113,7 @@ def test_after_the_encounter_the_reference_returns_exactly() -> None:
     assert (ticks[-1].status == SetpointStatus.NOMINAL).all()
 
 
-def test_switching_off_in_flight_glides_back_without_a_jump() -> None:
+def test_switching_off_in_flight_leads_back_without_a_jump() -> None:
     plan, field = crossing(), PotentialField()
     ticks = []
     for k in range(3000):

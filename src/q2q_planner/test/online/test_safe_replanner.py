@@ -106,7 +106,7 @@ def test_vehicles_far_apart_fly_the_reference_to_the_last_bit() -> None:
         assert replanner.update(reference, seen(reference)) is reference
 
 
-def test_switched_off_it_passes_the_reference_or_glides_back_to_it() -> None:
+def test_switched_off_it_passes_the_reference_or_leads_back_to_it() -> None:
     off = SafeReplanner(replace(PARAMS, enabled=False))
     for k in range(600):
         reference = setpoint_at(swap(), k * TICK)

@@ -35,8 +35,8 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
+from q2q_planner.plan_playback.transit import TransitParams
 from q2q_sim.loop.flown_plan import plan_for
 from q2q_sim.scenarios.block_overrides import block_params
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
@@ -189,7 +189,7 @@ def blocks_of(
         plan=flown,
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
         predictor=InteractionPredictor(model),
-        player=PlanPlayer(flown, 0.0, GlideParams(), wait=False),
+        player=PlanPlayer(flown, 0.0, TransitParams(), wait=False),
         replanner=_replanner(scenario, choices),
         controller=Guard(controller, FallbackParams(), scenario.vehicle.hover_thrust),
         sense=sense,

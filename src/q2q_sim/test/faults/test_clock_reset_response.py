@@ -19,8 +19,8 @@ from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
+from q2q_planner.plan_playback.transit import TransitParams
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
@@ -43,7 +43,7 @@ def followed(stamps: list[float]) -> set[str]:
     mocap_filter = MocapFilter(MocapFilterParams(), NAMES)
     guard = Guard(Pid(PidParams(), CRAZYFLIE_2_0), FallbackParams(), CRAZYFLIE_2_0.hover_thrust)
     ways = Waypoint(0.0, (1.0, 1.0, 1.0)), Waypoint(9.0, (1.0, 1.0, 2.0))
-    player = PlanPlayer(minimum_snap_plan([VehicleWaypoints("cf1", ways)]), -1.0, GlideParams(), wait=False)
+    player = PlanPlayer(minimum_snap_plan([VehicleWaypoints("cf1", ways)]), -1.0, TransitParams(), wait=False)
     replanner = StampOrder()
     for t in (BEGIN, *stamps):
         state = mocap_filter.update(frame(t))

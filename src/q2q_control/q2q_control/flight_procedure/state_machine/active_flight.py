@@ -16,17 +16,17 @@ from q2q_model.signals.values import Array
 
 
 class ActiveFlight:
-    """Step of a flight, its stream of setpoints, where it took off and where a glide leads."""
+    """Step of a flight, its stream of setpoints, where it took off and where a transit leads."""
 
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
         self.params, self.landing = params, landing
         self.state = ProcedureState(params, landing)
         self.stream = SetpointStream(params.setpoint_step_max, params.setpoint_timeout_s)
         self.ground = GroundCheck(params, landing)
-        self.lands_after_glide = False
-        """The glide leads to a landing, not to the plan."""
+        self.lands_after_transit = False
+        """The transit leads to a landing, not to the plan."""
         self.joins = False
-        """The vehicles were in the air already: no take-off, no glide."""
+        """The vehicles were in the air already: no take-off, no transit."""
         self.stood: Array = np.full((0, 3), np.nan)
         """Where the vehicles stood when their take-off began [m], world, (n, 3)."""
         self.down: set[str] = set()

@@ -45,8 +45,8 @@ def _succeed(flight: ActiveFlight, act: Act, observation: Observation, reason: s
         if flight.joins:
             state.enter(Step.FLIGHT, t)
             state.answer(granted=True, reason="flying the present setpoints")
-    elif act is Act.GLIDE:
-        state.enter(Step.GLIDE, t, reason)
+    elif act is Act.TRANSIT:
+        state.enter(Step.TRANSIT, t, reason)
     elif act is Act.START:
         state.enter(Step.FLIGHT, t, reason)
         state.answer(granted=True, reason=reason or "the plan has started")
@@ -69,7 +69,7 @@ def _fail(flight: ActiveFlight, act: Act, observation: Observation, reason: str,
     elif act in {Act.TAKE_OFF, Act.STREAM}:  # vehicles may be in the air despite the failure
         state.answer(granted=False, reason=f"{reason}; landing")
         flight.land(observation, t, reason)
-    elif act is Act.GLIDE and flight.lands_after_glide:
+    elif act is Act.TRANSIT and flight.lands_after_transit:
         overlap = flight.overlap(observation)
         if overlap:
             text = f"{overlap}, and {reason}; land once more to land all the same"

@@ -17,7 +17,7 @@ from q2q_control.flight_procedure.steps import BEGINS_FLIGHT, ON_GROUND, Act, Ca
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmCommand, SwarmSetpoint, SwarmState
 
-PLAN_ACTS = frozenset({Act.WAIT, Act.GLIDE, Act.START, Act.BRAKE})
+PLAN_ACTS = frozenset({Act.WAIT, Act.TRANSIT, Act.START, Act.BRAKE})
 """Acts of the plan's playback."""
 
 
@@ -109,7 +109,7 @@ class PilotedFlight:
         return reply
 
     def land_here(self, t: float) -> float:
-        """Land without a glide at time t [s]; return how long to wait for that [s], 0 on the ground."""
+        """Land without a transit at time t [s]; return how long to wait for that [s], 0 on the ground."""
         if self._procedure.step in ON_GROUND | {Step.STOPPED}:
             return 0.0
         seconds = self._procedure.land_here(self._observed(t), t)

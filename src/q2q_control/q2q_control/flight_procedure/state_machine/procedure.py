@@ -1,14 +1,14 @@
 """Flight procedure: the state machine from ground to ground of `radio` and of the bridge to Crazyswarm2.
 
     offline -> connected -> checked -- take_off --> arming -> take-off -> hover
-        ^                                         hover, hold -- fly --> glide -> flight -> hold
-        +-- disarming <- landing <-- land -- take-off, hover, glide, flight, hold
+        ^                                         hover, hold -- fly --> transit -> flight -> hold
+        +-- disarming <- landing <-- land -- take-off, hover, transit, flight, hold
 
 | step | action | ends when |
 |---|---|---|
 | arming | vehicles arm | all are armed |
 | take-off | onboard climb to take_off_height | all are there and at rest |
-| glide | streamed setpoints on a certified plan to the plan's first points | all are there |
+| transit | streamed setpoints on a certified plan to the plan's first points | all are there |
 | flight | the plan's clock runs | the plan ends, or `hold` brakes along it: hold |
 | landing | stream stopped, then onboard landing | its duration is over, all measured at rest on the ground |
 | disarming | vehicles disarm | all are disarmed, or their build arms itself |
@@ -17,10 +17,10 @@
 Nothing moves without a call. A refused call changes nothing. A granted call is answered when it is done, has
 failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `fly`, `emergency` all. An
 `emergency` that is called again is sent again, and one outcome answers both calls.
-`start` skips take-off and glide, for vehicles already at their setpoints. In flight, all vehicles land when
+`start` skips take-off and transit, for vehicles already at their setpoints. In flight, all vehicles land when
 setpoints jump or stay away, or with Crazyswarm2 when nothing is sent to a vehicle. From a hold, `land` first
-glides back to the plan's first points, where the next flight can begin (land_home); so it does from any step
-if vehicles overlap horizontally. A second `land` lands them where they are; one outcome answers both.
+transits back to the plan's first points, where the next flight can begin (land_home); so it does from any
+step if vehicles overlap horizontally. A second `land` lands them where they are; one outcome answers both.
 """
 
 from q2q_control.flight_procedure.checks.flight_checks import unchecked
@@ -81,7 +81,7 @@ class FlightProcedure:
             end_step(self._flight, observation, t)
 
     def land_here(self, observation: Observation, t: float) -> float:
-        """Land without a call and without a glide, as the node ends at time t [s].
+        """Land without a call and without a transit, as the node ends at time t [s].
 
         Returns:
             how long to wait until all are down at the latest [s].
@@ -89,7 +89,7 @@ class FlightProcedure:
         seconds = self._flight.order(Act.LAND, observation).duration + self._flight.params.step_timeout_s
         if self.step in FLYING | {Step.ARMING}:
             self.state.answer(granted=False, reason="the node ends: landing")
-            self._flight.lands_after_glide = False
+            self._flight.lands_after_transit = False
             self._begin_landing(observation, t, again=True)
         return seconds
 
@@ -107,13 +107,13 @@ class FlightProcedure:
         refusal = step_refusal(call, self.step)
         if refusal:
             return refusal
-        if self.state.pending is call and call is not Call.EMERGENCY and not self._flight.lands_after_glide:
+        if self.state.pending is call and call is not Call.EMERGENCY and not self._flight.lands_after_transit:
             return f"{call.value} is under way"
         return check_refusal(call, observation, self._flight.params, self._flight.landing)
 
     def _begin(self, call: Call, observation: Observation, t: float) -> None:
         flight = self._flight
-        again, flight.lands_after_glide = flight.lands_after_glide, False
+        again, flight.lands_after_transit = flight.lands_after_transit, False
         if call is Call.EMERGENCY:
             flight.stream.on = False
             flight.down.clear()
@@ -124,14 +124,14 @@ class FlightProcedure:
             self.state.enter(Step.ARMING, t, unchecked(observation) or "all checks passed")
             flight.give(Act.ARM if flight.joins else Act.WAIT, observation, t)
         elif call is Call.FLY:
-            flight.give(Act.GLIDE, observation, t)
+            flight.give(Act.TRANSIT, observation, t)
         elif call is Call.HOLD:
             flight.give(Act.BRAKE, observation, t)
         else:
             self._begin_landing(observation, t, again=again)
 
     def _begin_landing(self, observation: Observation, t: float, *, again: bool) -> None:
-        """Land; from a hold, or if vehicles overlap, after a glide, unless called `again`."""
+        """Land; from a hold, or if vehicles overlap, after a transit, unless called `again`."""
         flight, waiting = self._flight, self.state.waiting
         streams = waiting is not None and waiting.act is Act.STREAM  # after `start`: vehicles may fly
         if self.step is Step.ARMING and not streams:
@@ -140,11 +140,11 @@ class FlightProcedure:
             return
         overlap = flight.overlap(observation)
         home = overlap or (flight.params.land_home and self.step is Step.HOLD)
-        flown = observation.plan is not None and self.step in {Step.GLIDE, Step.FLIGHT, Step.HOLD}
+        flown = observation.plan is not None and self.step in {Step.TRANSIT, Step.FLIGHT, Step.HOLD}
         if home and flown and not again:
-            self.state.log.append(f"{overlap or 'land'}: first a glide to the plan's first points")
-            flight.lands_after_glide = True
-            flight.give(Act.GLIDE if self.step is Step.HOLD else Act.BRAKE, observation, t)
+            self.state.log.append(f"{overlap or 'land'}: first a transit to the plan's first points")
+            flight.lands_after_transit = True
+            flight.give(Act.TRANSIT if self.step is Step.HOLD else Act.BRAKE, observation, t)
             return
         flight.land(observation, t)
 

@@ -15,7 +15,7 @@ from q2q_control.flight_procedure.state_machine.active_flight import ActiveFligh
 from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Step
 
 HAND_OVER_S = 1.0
-"""Longest time from the start of a glide until its setpoints are at the vehicles [s]."""
+"""Longest time from the start of a transit until its setpoints are at the vehicles [s]."""
 
 
 def end_step(flight: ActiveFlight, observation: Observation, t: float) -> None:
@@ -34,7 +34,7 @@ def _climb(flight: ActiveFlight, observation: Observation, t: float) -> None:
         flight.land(observation, t, off)
 
 
-def _glide(flight: ActiveFlight, observation: Observation, t: float) -> None:
+def _transit(flight: ActiveFlight, observation: Observation, t: float) -> None:
     if not flight.stream.on:
         _hand_over(flight, observation, t)
         return
@@ -49,13 +49,13 @@ def _glide(flight: ActiveFlight, observation: Observation, t: float) -> None:
         state.moving(t)
     elif state.late(0.0, t):
         why = off if arrived else "the setpoints rest elsewhere than at the first points"
-        then = "call land again to land where they are" if flight.lands_after_glide else "holding"
-        state.answer(granted=False, reason=f"glide failed: {why}; {then}")
+        then = "call land again to land where they are" if flight.lands_after_transit else "holding"
+        state.answer(granted=False, reason=f"transit failed: {why}; {then}")
         state.enter(Step.HOLD, t, why)
 
 
 def _hand_over(flight: ActiveFlight, observation: Observation, t: float) -> None:
-    """Stream setpoints once those of the glide are at the vehicles."""
+    """Stream setpoints once those of the transit are at the vehicles."""
     refusal = setpoint_refusal(observation, flight.params.goal_tolerance, flight.landing)
     if not refusal:
         flight.joins = False
@@ -66,7 +66,7 @@ def _hand_over(flight: ActiveFlight, observation: Observation, t: float) -> None
 
 
 def _arrive(flight: ActiveFlight, observation: Observation, t: float) -> None:
-    if flight.lands_after_glide:
+    if flight.lands_after_transit:
         flight.land(observation, t)
     else:
         flight.give(Act.START, observation, t)
@@ -86,8 +86,8 @@ def _hold(flight: ActiveFlight, observation: Observation, t: float) -> None:
         return
     if state.pending is Call.HOLD:
         state.answer(granted=True, reason=f"holding: {heights_text(observation)}")
-    elif state.pending is Call.LAND and flight.lands_after_glide:
-        flight.give(Act.GLIDE, observation, t)
+    elif state.pending is Call.LAND and flight.lands_after_transit:
+        flight.give(Act.TRANSIT, observation, t)
 
 
 def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
@@ -120,7 +120,7 @@ def _check_ground(flight: ActiveFlight, observation: Observation, t: float) -> N
 
 _ENDS: dict[Step, Callable[[ActiveFlight, Observation, float], None]] = {
     Step.TAKE_OFF: _climb,
-    Step.GLIDE: _glide,
+    Step.TRANSIT: _transit,
     Step.FLIGHT: _fly,
     Step.HOLD: _hold,
     Step.LANDING: _descend,

@@ -18,7 +18,7 @@ from q2q_control.flight_procedure.steps import FLYING, ON_GROUND, Act, Call, Ord
 ACTS_OF = {
     Call.START: (Act.ARM, Act.STREAM),
     Call.TAKE_OFF: (Act.WAIT, Act.ARM, Act.TAKE_OFF),
-    Call.FLY: (Act.GLIDE, Act.STREAM, Act.START),
+    Call.FLY: (Act.TRANSIT, Act.STREAM, Act.START),
     Call.HOLD: (Act.BRAKE,),
     Call.LAND: (Act.STOP_STREAM, Act.LAND, Act.DISARM),
     Call.EMERGENCY: (Act.EMERGENCY,),
@@ -28,7 +28,7 @@ ALLOWED_IN = {
     Call.START: ON_GROUND,
     Call.TAKE_OFF: ON_GROUND,
     Call.FLY: frozenset({Step.HOVER, Step.HOLD}),
-    Call.HOLD: frozenset({Step.GLIDE, Step.FLIGHT}),
+    Call.HOLD: frozenset({Step.TRANSIT, Step.FLIGHT}),
     Call.LAND: FLYING | {Step.ARMING, Step.LANDING},
     Call.EMERGENCY: frozenset(Step),
 }

@@ -1,4 +1,4 @@
-"""Glide: certified plan from rest at some points to rest at others.
+"""Transit of vehicles: certified plan from rest at some points to rest at others.
 
 All vehicles move at once on straight lines if the certificate holds; else one after another, each on a
 straight line or by a waypoint beside its middle, in the first order in which every vehicle has a certified
@@ -24,27 +24,33 @@ from q2q_planner.offline.minimum_snap.waypoints import waypoints_through
 ORDERS = 24
 """Most orders that are tried: all of four vehicles."""
 TURN_MAX = 1.5
-"""Largest yaw rate of a glide [rad/s], less than half of what controllers may command."""
+"""Largest yaw rate of a transit [rad/s], less than half of what controllers may command."""
 ACC_MAX = FlightLimits().acceleration
-"""Largest acceleration of a glide [m/s^2], as of allocated times."""
+"""Largest acceleration of a transit [m/s^2], as of allocated times."""
 ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
 """Offsets of the waypoint beside the middle of a line, tried in this order [m]."""
 
 
 @dataclass(frozen=True, slots=True)
-class GlideParams:
-    """Speed and zone of a glide."""
+class TransitParams:
+    """Speed and zone of a transit."""
 
-    glide_speed: float = tunable(
-        0.5, "largest speed of a glide to the plan's first points", unit="m/s", low=0.05, high=5.0
+    transit_speed: float = tunable(
+        0.5, "largest speed of a transit to the plan's first points", unit="m/s", low=0.05, high=5.0
     )
-    glide_s: float = tunable(1.0, "minimum duration of a vehicle's glide", unit="s", low=0.1, high=60.0)
-    glide_eps: float = tunable(
-        0.2, "radius of the cylinder that a glide keeps free of other vehicles", unit="m", low=0.01, high=5.0
+    transit_duration_min: float = tunable(
+        1.0, "minimum duration of a vehicle's transit", unit="s", low=0.1, high=60.0
     )
-    glide_d: float = tunable(
+    transit_eps: float = tunable(
+        0.2,
+        "radius of the cylinder that a transit keeps free of other vehicles",
+        unit="m",
+        low=0.01,
+        high=5.0,
+    )
+    transit_d: float = tunable(
         Cylinder().d,
-        "half height of the cylinder that a glide keeps free of other vehicles",
+        "half height of the cylinder that a transit keeps free of other vehicles",
         unit="m",
         low=0.01,
         high=10.0,
@@ -56,11 +62,11 @@ class GlideParams:
 
     @property
     def zone(self) -> Cylinder:
-        """Return what a glide keeps free of other vehicles."""
-        return Cylinder(self.glide_eps, self.glide_d)
+        """Return what a transit keeps free of other vehicles."""
+        return Cylinder(self.transit_eps, self.transit_d)
 
 
-def glide(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
+def transit_plan(names: Names, here: Array, there: Array, params: TransitParams) -> SwarmPlan:
     """Return the certified plan from points `here` to points `there`, (n, 4): x, y, z [m], yaw [rad].
 
     Raises:
@@ -84,7 +90,7 @@ def wrap_angles(angle: Array) -> Array:
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _together(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
+def _together(names: Names, here: Array, there: Array, params: TransitParams) -> SwarmPlan:
     duration = max(_duration(start, end, params) for start, end in zip(here, there, strict=True))
     rows = zip(names, here, there, strict=True)
     return minimum_snap_plan(
@@ -93,7 +99,7 @@ def _together(names: Names, here: Array, there: Array, params: GlideParams) -> S
 
 
 def _one_by_one(
-    names: Names, here: Array, there: Array, params: GlideParams, order: tuple[int, ...]
+    names: Names, here: Array, there: Array, params: TransitParams, order: tuple[int, ...]
 ) -> list[SwarmPlan] | None:
     """Return a certified plan for each vehicle's turn, the others at rest; None if one has no path."""
     now, legs = here.copy(), []
@@ -117,7 +123,7 @@ def _path(start: Array, end: Array, aside: float) -> list[Array]:
     return [start, 0.5 * (start + end) + aside * across / length, end]
 
 
-def _turn(names: Names, now: Array, mover: int, points: list[Array], params: GlideParams) -> SwarmPlan:
+def _turn(names: Names, now: Array, mover: int, points: list[Array], params: TransitParams) -> SwarmPlan:
     """Return the plan that moves one vehicle along points, the others at rest."""
     times = np.cumsum([0.0, *(_duration(one, other, params) for one, other in pairwise(points))])
     candidates = [
@@ -141,16 +147,16 @@ def _joined(names: Names, legs: Sequence[SwarmPlan]) -> SwarmPlan:
     return SwarmPlan(names, curves)
 
 
-def _duration(here: Array, there: Array, params: GlideParams) -> float:
+def _duration(here: Array, there: Array, params: TransitParams) -> float:
     length = float(np.linalg.norm(there[:3] - here[:3]))
     turn = abs(float(there[3] - here[3]))
-    travel = max(PEAK_SPEED * length / params.glide_speed, sqrt(PEAK_ACC * length / ACC_MAX))
-    return max(travel, PEAK_YAW_RATE * turn / TURN_MAX, params.glide_s)
+    travel = max(PEAK_SPEED * length / params.transit_speed, sqrt(PEAK_ACC * length / ACC_MAX))
+    return max(travel, PEAK_YAW_RATE * turn / TURN_MAX, params.transit_duration_min)
 
 
 def _refusal(proof: Certificate, zone: Cylinder) -> str:
     if proof.not_computed:
-        return f"no glide is proven: {proof.not_computed}"
+        return f"no transit is proven: {proof.not_computed}"
     pair = " and ".join(proof.pair or ())
     near = f"{pair} would enter each other's zone by {-proof.clearance:.2f} m at {proof.t:.1f} s"
     return f"{near} (radius {zone.eps:.2f} m, half height {zone.d:.2f} m), in every order"
