@@ -30,7 +30,7 @@ TOOLS = {
     "q2q_sim.commands.policies": "--jsno",
     "q2q_sim.commands.promise": "--jsno",
     "q2q_sim.commands.firmware_check": "--jsno",
-    "q2q_sim.commands.docs": "--chekc",
+    "q2q_sim.commands.node_pages": "--chekc",
     "q2q_sim.commands.secure": "--polciy",
     "q2q_sim.commands.validate": "--jsno",
     "q2q_planner.commands.plan": "--modle",
@@ -118,7 +118,7 @@ REFUSALS = (
     ),
     ("bench --baseline none", 2, "no scripts/bench in none"),
 )
-SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "licence", "paper", "setup", "site")
+SCRIPTS = ("bench", "campaign", "check", "demo", "fly", "licence", "node_pages", "paper", "setup", "site")
 
 
 def run(tool: str, *words: str) -> subprocess.CompletedProcess[str]:

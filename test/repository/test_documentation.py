@@ -20,7 +20,7 @@ from documentation import Block, Command, commands, documents, is_dead, links, s
 from fresh_checkout import ROOT
 
 from q2q_model.commands.command_line import CommandLine
-from q2q_sim.commands.docs import OUT
+from q2q_sim.commands.node_pages import OUT
 from q2q_sim.processes.processes import find_executable
 
 NODES_TOGETHER = "stack"

@@ -10,7 +10,7 @@ from fresh_checkout import ROOT
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.tunable import tunable_of
 from q2q_sim.bag_topics.topics import LATCHED_TYPES, is_latched
-from q2q_sim.commands.docs import OUT
+from q2q_sim.commands.node_pages import OUT
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.docs.node_pages import out_of_date, pages, table
 
@@ -24,7 +24,7 @@ def nodes() -> list[NodeInterface]:
 
 
 def test_the_node_pages_are_what_the_nodes_declare(nodes: list[NodeInterface]):
-    assert out_of_date(pages(nodes), ROOT / OUT) == [], "run scripts/docs"
+    assert out_of_date(pages(nodes), ROOT / OUT) == [], "run scripts/node_pages"
 
 
 def test_a_page_reports_every_field_of_the_parameters_with_unit_and_bounds(nodes: list[NodeInterface]):

@@ -40,7 +40,7 @@ def write_images() -> list[Path]:
     """Write flight.png and, where there are recorded flights, real_flight.png; return the files."""
     flights = find_flights([])
     if not flights.further:
-        print(f"docs: real_flight.png is left as it is: {flights.origin}", file=sys.stderr)
+        print(f"node_pages: real_flight.png is left as it is: {flights.origin}", file=sys.stderr)
         return [write_flight()]
     shown = median_flight(score_flights(flights).held_out.flights)
     return [write_flight(), save(held_out_figure(shown), OUT / "real_flight.png")]

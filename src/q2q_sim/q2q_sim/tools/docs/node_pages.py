@@ -16,7 +16,7 @@ from q2q_sim.ros.stand_in import RecordedPort
 from q2q_sim.tools.docs.animation import write_animation
 from q2q_sim.tools.docs.images import OUT, write_images
 
-MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
+MADE = "<!-- Made by scripts/node_pages from the nodes themselves; change those, then run it again. -->"
 
 
 def run(args: Namespace) -> int:
@@ -25,12 +25,12 @@ def run(args: Namespace) -> int:
     stale = out_of_date(current, args.out)
     if args.check:
         for name in stale:
-            print(f"docs: {args.out / name} is out of date: run scripts/docs", file=sys.stderr)
+            print(f"node_pages: {args.out / name} is out of date: run scripts/node_pages", file=sys.stderr)
         return 1 if stale else 0
     write(current, args.out)
-    print(f"docs: {len(current)} pages in {args.out}, {len(stale)} new or changed")
+    print(f"node_pages: {len(current)} pages in {args.out}, {len(stale)} new or changed")
     if args.images:
-        print(*(f"docs: {path}" for path in [*write_images(), write_animation(OUT)]), sep="\n")
+        print(*(f"node_pages: {path}" for path in [*write_images(), write_animation(OUT)]), sep="\n")
     return 0
 
 

@@ -28,7 +28,8 @@ def _prepare(_: Namespace) -> Work:
 
 def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check\n  scripts/docs --images")
+    examples = "  scripts/node_pages\n  scripts/node_pages --check\n  scripts/node_pages --images"
+    made = CommandLine("node_pages", __doc__, examples)
     made.add_argument("--out", type=output_folder, default=OUT, help="folder of the pages")
     made.add_argument("--check", action="store_true", help="write nothing; fail if a page is out of date")
     made.add_argument("--images", action="store_true", help="also draw docs/images")
