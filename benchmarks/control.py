@@ -7,10 +7,10 @@ import numpy as np
 
 from horizon_solvers import pair_problem, rows_of_solvers
 from processor_time import least_time
-from q2q_control.experiments.explicit.features import WIDTH, PairHorizon
-from q2q_control.experiments.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
-from q2q_control.experiments.explicit.situations import random_situations
-from q2q_control.experiments.explicit.teacher import Teacher, pair_horizon
+from q2q_control.explicit_mpc.explicit_law import ExplicitLaw, evaluate_all, weights_of, workspace_of
+from q2q_control.explicit_mpc.features import WIDTH, PairHorizon
+from q2q_control.explicit_mpc.situations import random_situations
+from q2q_control.explicit_mpc.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution

@@ -14,7 +14,7 @@ all callers, which differ in what they know of a source's past:
 | q2q_model.downwash.predictor | states received |
 | q2q_model.identification.push.along_flight | the recorded flight |
 | q2q_control.mpc.prediction.downwash_horizon | positions received, then the predicted path |
-| q2q_control.experiments.explicit.teacher | constant velocity |
+| q2q_control.explicit_mpc.teacher | constant velocity |
 """
 
 from collections.abc import Callable

@@ -9,10 +9,10 @@ import pytest
 from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.disturbance.tracker import TrackerParams
-from q2q_control.experiments.explicit.distillation import DistillationParams, distil
-from q2q_control.experiments.explicit.explicit_solver import explicit_solver
-from q2q_control.experiments.explicit.law import ExplicitLaw
-from q2q_control.experiments.explicit.teacher import Teacher
+from q2q_control.explicit_mpc.distillation import DistillationParams, distil
+from q2q_control.explicit_mpc.explicit_law import ExplicitLaw
+from q2q_control.explicit_mpc.explicit_solver import explicit_solver
+from q2q_control.explicit_mpc.teacher import Teacher
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.problem.mpc_params import MpcParams

@@ -9,7 +9,8 @@ firmware app (q2q_control.onboard) does not use it.
 
 import numpy as np
 
-from q2q_control.experiments.explicit.features import (
+from q2q_control.explicit_mpc.explicit_law import ExplicitLaw
+from q2q_control.explicit_mpc.features import (
     EDGES,
     GRADIENT_EDGES,
     GRADIENTS,
@@ -19,7 +20,6 @@ from q2q_control.experiments.explicit.features import (
     WIDTH,
     WINDOWS,
 )
-from q2q_control.experiments.explicit.law import ExplicitLaw
 from q2q_model.signals.values import Array
 
 _BODY = """

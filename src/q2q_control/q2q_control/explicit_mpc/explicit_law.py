@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.experiments.explicit.features import STAGES, WIDTH, PairHorizon, features, write_features
+from q2q_control.explicit_mpc.features import STAGES, WIDTH, PairHorizon, features, write_features
 from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_of_table
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.experiments.explicit.situations import Encounters, Situations
-from q2q_control.experiments.explicit.teacher import Teacher, downwash_between, solve_situations
+from q2q_control.explicit_mpc.situations import Encounters, Situations
+from q2q_control.explicit_mpc.teacher import Teacher, downwash_between, solve_situations
 from q2q_model.signals.values import Array
 
 ControlPolicy = Callable[[Situations], Array]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.experiments.explicit.features import STAGES
+from q2q_control.explicit_mpc.features import STAGES
 from q2q_model.signals.values import Array
 
 Range = tuple[float, float]

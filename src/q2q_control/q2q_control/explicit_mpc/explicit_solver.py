@@ -10,8 +10,8 @@ solver.
 import numpy as np
 
 from q2q_control.attitude.thrust_vector import largest_thrust
-from q2q_control.experiments.explicit.features import STAGES, PairHorizon
-from q2q_control.experiments.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
+from q2q_control.explicit_mpc.explicit_law import ExplicitLaw, evaluate_all, weights_of, workspace_of
+from q2q_control.explicit_mpc.features import STAGES, PairHorizon
 from q2q_control.mpc.mpc import SolverFactory
 from q2q_control.mpc.problem.axis_model import axis_models
 from q2q_control.mpc.problem.horizon import DownwashHorizon, Horizon, HorizonSolution, blank_solution

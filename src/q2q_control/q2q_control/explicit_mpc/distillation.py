@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from q2q_control.experiments.explicit.encounter_flight import ControlPolicy, fly, teacher_policy
-from q2q_control.experiments.explicit.features import WIDTH, Features, features
-from q2q_control.experiments.explicit.law import ExplicitLaw, evaluate
-from q2q_control.experiments.explicit.situations import Situations, random_encounters, random_situations
-from q2q_control.experiments.explicit.teacher import Teacher, pair_horizon, solve_situations
+from q2q_control.explicit_mpc.encounter_flight import ControlPolicy, fly, teacher_policy
+from q2q_control.explicit_mpc.explicit_law import ExplicitLaw, evaluate
+from q2q_control.explicit_mpc.features import WIDTH, Features, features
+from q2q_control.explicit_mpc.situations import Situations, random_encounters, random_situations
+from q2q_control.explicit_mpc.teacher import Teacher, pair_horizon, solve_situations
 from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_model.signals.values import Array
 

@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 from pid_swarms import swarm
 
-from q2q_control.experiments.explicit.c_export import c_source
-from q2q_control.experiments.explicit.distillation import DistillationParams, control_policy, distil
-from q2q_control.experiments.explicit.encounter_flight import fly, teacher_policy
-from q2q_control.experiments.explicit.explicit_solver import ExplicitSolver, explicit_solver
-from q2q_control.experiments.explicit.features import STAGES, WIDTH, PairHorizon, features
-from q2q_control.experiments.explicit.law import (
+from q2q_control.explicit_mpc.c_export import c_source
+from q2q_control.explicit_mpc.distillation import DistillationParams, control_policy, distil
+from q2q_control.explicit_mpc.encounter_flight import fly, teacher_policy
+from q2q_control.explicit_mpc.explicit_law import (
     ExplicitLaw,
     evaluate,
     evaluate_one,
     weights_of,
     workspace_of,
 )
-from q2q_control.experiments.explicit.situations import random_encounters, random_situations
-from q2q_control.experiments.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
+from q2q_control.explicit_mpc.explicit_solver import ExplicitSolver, explicit_solver
+from q2q_control.explicit_mpc.features import STAGES, WIDTH, PairHorizon, features
+from q2q_control.explicit_mpc.situations import random_encounters, random_situations
+from q2q_control.explicit_mpc.teacher import Teacher, downwash_between, pair_horizon, solve_situations
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.experiments.explicit.features import STAGES, PairHorizon
-from q2q_control.experiments.explicit.situations import Situations
+from q2q_control.explicit_mpc.features import STAGES, PairHorizon
+from q2q_control.explicit_mpc.situations import Situations
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA
 from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.axis_model import AxisModel, axis_model

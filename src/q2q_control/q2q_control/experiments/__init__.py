@@ -1,1 +1,0 @@
-"""Laws that nothing in flight imports."""
