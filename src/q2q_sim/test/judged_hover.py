@@ -6,7 +6,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances
 
@@ -18,7 +18,7 @@ AROUND = Circumstances()
 
 def flown(true_pos: Array = HOVER, ref_pos: Array = HOVER, status: Array | None = None) -> Flight:
     """Return a flight of two vehicles over 10 s."""
-    empty = FlightRecording(("cf1", "cf2"), TICKS).flight("made")
+    empty = FlightRecorder(("cf1", "cf2"), TICKS).flight("made")
     given = np.zeros((TICKS, 2)) if status is None else status
     return replace(empty, t=T, true_pos=true_pos, ref_pos=ref_pos, command_status=given)
 

@@ -10,7 +10,7 @@ from itertools import chain
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
-from q2q_model.flights.copies.same_flight import flight_digest
+from q2q_model.flights.duplicates.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gain_notes import unstable_reason

@@ -67,7 +67,7 @@ class Fit:
     heldout_mse_m2: RoleScores = field(default_factory=RoleScores)
     heldout_r2: RoleScores = field(default_factory=RoleScores)
     digests: tuple[str, ...] = ()
-    """Digests of the flights, by which copies of other names are known (flights.copies.same_flight)."""
+    """Digests of the flights, by which copies of other names are known (flights.duplicates.same_flight)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """Flights of bags and tables, each given once and under a name of its own.
 
-A flight is given twice if it holds the motion of another (flights.copies.same_flight), under any names.
+A flight is given twice if it holds the motion of another (flights.duplicates.same_flight), under any names.
 """
 
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from q2q_model.bag import BagError
-from q2q_model.flights.copies.same_flight import flight_digest, is_same_flight
+from q2q_model.flights.duplicates.same_flight import flight_digest, is_same_flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.recordings.flight_recording import Recording
 

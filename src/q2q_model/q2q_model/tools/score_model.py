@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.copies.same_flight import fit_remarks
+from q2q_model.flights.duplicates.same_flight import fit_remarks
 from q2q_model.identification.push.log_check import log_notes
 from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.identification.push.push_samples import (

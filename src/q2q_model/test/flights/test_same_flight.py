@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from made_flights import Pass, made_flight
 
-from q2q_model.flights.copies.motion_windows import WINDOWS_MAX, as_text, from_text, motion_windows
-from q2q_model.flights.copies.same_flight import (
+from q2q_model.flights.duplicates.motion_windows import WINDOWS_MAX, as_text, from_text, motion_windows
+from q2q_model.flights.duplicates.same_flight import (
     COPY_IN_FIT,
     IN_FIT,
     fit_remarks,

@@ -75,7 +75,7 @@ class RoomAir:
     flights: tuple[str, ...] = ()
     """Flights it was learned from."""
     digests: tuple[str, ...] = ()
-    """Their digests, by which copies of other names are known (q2q_model.flights.copies.same_flight)."""
+    """Their digests, by which copies of other names are known (q2q_model.flights.duplicates.same_flight)."""
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """95 % interval of each fitted value, by its path, e.g. "residual.time_s"."""
 

@@ -1,1 +1,1 @@
-"""The simulation loop: room, blocks of a flight, closed loop without ROS, recording."""
+"""The simulation loop: room, blocks of a flight, closed loop without ROS, recorder."""

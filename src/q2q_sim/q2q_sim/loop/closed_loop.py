@@ -19,7 +19,7 @@ from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, 
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.loop.room import Room, Tick
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -94,11 +94,11 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
 def fly_blocks(scenario: Scenario, blocks: Blocks, loop: LoopSettings) -> Flight:
     """Fly given blocks and return the recording."""
     room = Room(scenario, loop.seed, loop.air)
-    recording = FlightRecording(scenario.names, ticks_of(scenario))
+    recorder = FlightRecorder(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:
         number, tick, imu = room.tick, room.capture(), room.imu()
-        recording.frame(number, tick.stamp_ns, tick.frame)
-        recording.truth(number, tick.truth, tick.truth_interference, imu)
+        recorder.frame(number, tick.stamp_ns, tick.frame)
+        recorder.truth(number, tick.truth, tick.truth_interference, imu)
         loop.on_signal("truth", tick.stamp_ns, tick.truth)
         loop.on_signal("truth_interference", tick.stamp_ns, tick.truth_interference)
         loop.on_signal("imu", tick.stamp_ns, imu)
@@ -106,10 +106,10 @@ def fly_blocks(scenario: Scenario, blocks: Blocks, loop: LoopSettings) -> Flight
         downwash = blocks.predictor.update(state)
         answer = _answer(blocks, tick, state, downwash if loop.mode != "ignoring" else None)
         blocks.sense(imu)
-        _record(recording, tick, answer, downwash)
+        _record(recorder, tick, answer, downwash)
         _report(loop.on_signal, tick, answer, downwash)
         room.advance(answer.command)
-    return recording.flight(f"{scenario.name} {loop.mode} seed {loop.seed}")
+    return recorder.flight(f"{scenario.name} {loop.mode} seed {loop.seed}")
 
 
 def answered_ticks(scenario: Scenario, options: FlightOptions) -> Iterator[tuple[Tick, BlockSignals]]:
@@ -154,11 +154,11 @@ def _answer(blocks: Blocks, tick: Tick, state: SwarmState, downwash: Interferenc
     )
 
 
-def _record(recording: FlightRecording, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
+def _record(recorder: FlightRecorder, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
     number = tick.stamp_ns // TICK_NS
-    recording.state(number, answer.state, downwash)
-    recording.setpoints(number, answer.reference, answer.reference_safe)
-    recording.command(number, answer.command)
+    recorder.state(number, answer.state, downwash)
+    recorder.setpoints(number, answer.reference, answer.reference_safe)
+    recorder.command(number, answer.command)
 
 
 def _report(on_signal: SignalListener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:

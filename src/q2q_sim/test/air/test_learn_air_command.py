@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter
-from q2q_model.flights.copies.same_flight import flight_digest
+from q2q_model.flights.duplicates.same_flight import flight_digest
 from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import air_path

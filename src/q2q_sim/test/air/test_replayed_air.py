@@ -14,7 +14,7 @@ from q2q_sim.air.air_names import ROOM, air_path
 from q2q_sim.air.lookup.travel_speed import travel_speed
 from q2q_sim.air.wake_laws import MEASURED, MEASURED_SPEED, PAPER, wake_push
 from q2q_sim.commands.replay_page import main
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.replay_page import in_air, replay_run
 from q2q_sim.replay_page.packed_run import packed_run
 from q2q_sim.replay_page.replay_run import DOWNWASH_RADIUS
@@ -26,7 +26,7 @@ GUST = np.array([0.3, 0.0, -0.5])
 
 def flown(cf2: tuple[float, float, float]) -> Flight:
     """Return a flight of cf1 at a height of 1 m, and cf2."""
-    empty = FlightRecording(("cf1", "cf2"), len(T)).flight("made")
+    empty = FlightRecorder(("cf1", "cf2"), len(T)).flight("made")
     pos = np.tile([(0.0, 0.0, 1.0), cf2], (len(T), 1, 1))
     return replace(empty, t=T, true_pos=pos)
 

@@ -15,7 +15,7 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
 from q2q_sim.loop.flight_blocks import Mode
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.room_profiles import ROUGH
@@ -172,8 +172,8 @@ def test_a_flight_that_is_not_recorded_is_the_same_flight(mode: Mode) -> None:
 
 
 def test_a_recording_has_each_signal_under_its_vehicles_name() -> None:
-    recording = FlightRecording(("cf1", "cf2"), 1)
+    recorder = FlightRecorder(("cf1", "cf2"), 1)
     thrust = np.array([2.0, 1.0])
     turned = level_command(0.0, ("cf2", "cf1"), thrust)
-    recording.command(0, turned)
-    np.testing.assert_array_equal(recording.flight("made").thrust, [[1.0, 2.0]])
+    recorder.command(0, turned)
+    np.testing.assert_array_equal(recorder.flight("made").thrust, [[1.0, 2.0]])

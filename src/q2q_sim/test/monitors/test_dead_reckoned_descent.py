@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, CommandStatus
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.floor import floor
@@ -34,7 +34,7 @@ STOPS = heights((6.25, 1.2), (7.0, 0.6), (8.0, 0.0), (8.5, 0.0), (9.5, 1.2))
 
 def falls(z: Array, status: Array) -> list[float]:
     """Return when the policy finds a fall in a flight at 1.2 m, which its verdict names then [s]."""
-    empty = FlightRecording(("cf1",), len(T)).flight("made")
+    empty = FlightRecorder(("cf1",), len(T)).flight("made")
     pos = SENT.copy()
     pos[:, 0, 2] = z
     flight = replace(empty, t=T, true_pos=pos, ref_pos=SENT, command_status=status[:, None])

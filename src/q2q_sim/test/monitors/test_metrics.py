@@ -10,7 +10,7 @@ import pytest
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight, of_rows
 from q2q_model.geometry.zone import Cylinder
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.exposure import exposed, exposure
 from q2q_sim.monitors.metrics.flight_metrics import held_thrust, measure
@@ -26,7 +26,7 @@ SCENARIO = library.load("table6")
 
 
 def _flight(pos: np.ndarray, ref: np.ndarray, thrust: np.ndarray) -> Flight:
-    empty = FlightRecording(("cf1", "cf2")[: pos.shape[1]], len(T)).flight("made by hand")
+    empty = FlightRecorder(("cf1", "cf2")[: pos.shape[1]], len(T)).flight("made by hand")
     return replace(empty, t=T, true_pos=pos, ref_pos=ref, thrust=thrust)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.flight_verdict import MOST_SHOWN, Finding, FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
@@ -37,7 +37,7 @@ def test_a_line_tells_the_first_of_what_was_not_judged_and_how_many_more_there_a
 def test_the_json_of_a_flight_has_every_failure() -> None:
     run = FlightRun(
         FlightRequest("table6"),
-        FlightRecording(("cf1",), 1).flight("made"),
+        FlightRecorder(("cf1",), 1).flight("made"),
         FlightMetrics({}, 0.0, 0.0),
         FlightTiming(0, 0, None, None, None),
         Path("bag"),

@@ -8,7 +8,7 @@ import pytest
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.replay_page import replay_run
 
 T = 0.02 * np.arange(500)
@@ -27,7 +27,7 @@ def passed(loss: Array) -> Flight:
     ref[:, 1, 0] = np.where(T <= PASSES, 0.0, 1.0)
     pos = ref.copy()
     pos[:, 0, 2] -= loss
-    return replace(FlightRecording(("cf1", "cf2"), len(T)).flight("made"), t=T, true_pos=pos, ref_pos=ref)
+    return replace(FlightRecorder(("cf1", "cf2"), len(T)).flight("made"), t=T, true_pos=pos, ref_pos=ref)
 
 
 def test_a_sag_that_grows_after_the_pass_is_reported_at_its_deepest() -> None:

@@ -8,7 +8,7 @@ import pytest
 from q2q_model import palette
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, CommandStatus
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity, recorded_vehicles, thrust_limits
 
 TICKS, NAMES = 50, ("cf1", "cf2")
@@ -17,7 +17,7 @@ TICKS, NAMES = 50, ("cf1", "cf2")
 @pytest.fixture
 def flight() -> Flight:
     """Return a flight in which cf1 sags by 0.3 m and cf2 by 0.1 m, half a metre higher."""
-    empty = FlightRecording(NAMES, TICKS).flight("made")
+    empty = FlightRecorder(NAMES, TICKS).flight("made")
     ref = np.zeros((TICKS, 2, 3))
     ref[..., 2] = 1.5, 2.0
     true = ref.copy()

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from q2q_model.plain_console import plain_console
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.flight_request import FlightRequest
@@ -25,7 +25,7 @@ def run_of(names: tuple[str, ...], request: FlightRequest) -> FlightRun:
     one = VehicleMetrics(0.0226, 0.0471, 0.564, -0.0286, 0.358, 0.0, 0.0, 0.0)
     return FlightRun(
         request,
-        FlightRecording(names, 1).flight("made"),
+        FlightRecorder(names, 1).flight("made"),
         FlightMetrics(dict.fromkeys(names, one), 0.0176, 0.0),
         FlightTiming(0, 0, None, None, None),
         Path("bag"),

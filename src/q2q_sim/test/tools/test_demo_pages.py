@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW
-from q2q_model.flights.copies.same_flight import flight_digest
+from q2q_model.flights.duplicates.same_flight import flight_digest
 from q2q_model.identification.jet.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import PushSamples, PushScore
@@ -16,7 +16,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, VehicleMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
@@ -57,7 +57,7 @@ def test_the_passage_is_the_time_under_another_and_three_seconds_around_it() -> 
     t = np.arange(0.0, 20.0, 0.1)
     pos = np.zeros((len(t), 2, 3))
     pos[:, 1] = np.stack([t - 10.0, 0.0 * t, np.full(len(t), 0.5)], axis=1)  # within 0.15 m at 9.9 to 10.1 s
-    flight = replace(FlightRecording(("cf1", "cf2"), len(t)).flight("made"), t=7.0 + t, true_pos=pos)
+    flight = replace(FlightRecorder(("cf1", "cf2"), len(t)).flight("made"), t=7.0 + t, true_pos=pos)
     assert passage_times(flight) == pytest.approx((6.9, 13.1), abs=0.001)
     pos[:, 1, 1] = 5.0
     assert passage_times(flight) == pytest.approx((0.0, 19.9))

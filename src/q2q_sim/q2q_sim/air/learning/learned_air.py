@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from q2q_model.flights.copies.same_flight import flight_digest
+from q2q_model.flights.duplicates.same_flight import flight_digest
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_terms import AbsorptionTerm, EdgeTorqueTerm, JetTerm, RateLoadTerm, ResidualTerm

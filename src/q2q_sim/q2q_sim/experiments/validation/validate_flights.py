@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.copies.same_flight import fit_remarks
+from q2q_model.flights.duplicates.same_flight import fit_remarks
 from q2q_model.identification.push.log_mass_note import log_mass_notes
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle

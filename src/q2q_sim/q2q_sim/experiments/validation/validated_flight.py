@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from q2q_model.flights.copies.same_flight import is_among
+from q2q_model.flights.duplicates.same_flight import is_among
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.experiments.validation.drawn_air import MakeDraw

@@ -7,7 +7,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validated_flight import ValidatedFlight
-from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.replay_page import ReplayRun, replay_run
 
 
@@ -26,5 +26,5 @@ def longest_under_wake(flights: Sequence[ValidatedFlight]) -> ValidatedFlight:
 
 
 def _flight(recorded: TrackedFlight, pos: Array, quat: Array, thrust: Array) -> Flight:
-    empty = FlightRecording(recorded.names, len(pos)).flight(recorded.name)
+    empty = FlightRecorder(recorded.names, len(pos)).flight(recorded.name)
     return replace(empty, t=recorded.t, pos=pos, quat=quat, thrust=thrust, ref_pos=recorded.ref_pos)

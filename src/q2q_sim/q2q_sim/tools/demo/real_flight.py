@@ -13,7 +13,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.copies.same_flight import flight_digest
+from q2q_model.flights.duplicates.same_flight import flight_digest
 from q2q_model.identification.jet.held_out_flights import HeldOutScores, held_out_scores
 from q2q_model.identification.push.push_samples import FEWEST_FREE, PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record

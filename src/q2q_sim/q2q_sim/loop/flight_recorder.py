@@ -1,4 +1,4 @@
-"""Recording of a flight, tick by tick, into the arrays of q2q_model.flights.flight.Flight."""
+"""Recorder of a flight, tick by tick, into the arrays of q2q_model.flights.flight.Flight."""
 
 import numpy as np
 
@@ -24,8 +24,8 @@ _WIDTHS = {
 }  # fmt: skip
 
 
-class FlightRecording:
-    """Arrays of a flight; entries that are not written stay NaN."""
+class FlightRecorder:
+    """Recorder of a flight in arrays; entries that are not written stay NaN."""
 
     def __init__(self, names: Names, ticks: int) -> None:
         """Allocate `ticks` ticks of the vehicles `names`."""

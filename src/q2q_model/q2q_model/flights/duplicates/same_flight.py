@@ -5,7 +5,7 @@ from hashlib import sha256
 
 import numpy as np
 
-from q2q_model.flights.copies.motion_windows import as_text, from_text, hold_same_motion, motion_windows
+from q2q_model.flights.duplicates.motion_windows import as_text, from_text, hold_same_motion, motion_windows
 from q2q_model.flights.flight import Flight
 
 COPY_IN_FIT = "this flight is in the fit: not held out"

@@ -1,1 +1,0 @@
-"""Copies of flights: windows of motion, digests, what is said of them."""

@@ -1,0 +1,1 @@
+"""Flights given twice: windows of motion, digests, what is said of them."""
