@@ -26,7 +26,7 @@ from q2q_sim.commands import campaign
 from q2q_sim.monitors.policies import POLICIES, FlightTrace, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.resident import ResidentNodes
+from q2q_sim.node_flights.flight_worker import FlightWorker
 from q2q_sim.scenarios import library
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
@@ -131,7 +131,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
     short = replace(run, document={**run.document, "duration": 0.5})
     scenario = tmp_path / "run.yaml"
     campaign_flight.write_scenario(short, scenario)
-    with ResidentNodes(tmp_path / "nodes.log") as nodes:
+    with FlightWorker(tmp_path / "nodes.log") as nodes:
 
         def flown(name: str, seed: int) -> FlightTrace:
             request = FlightRequest(

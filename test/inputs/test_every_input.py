@@ -20,7 +20,7 @@ from spoiled_messages import ABSURD, INVALID, INVALID_HEADERS, KINDS, SECOND, SP
 from q2q_model.model_files.find_model import find_model
 from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.vehicle.constants import vehicle_by_name
-from q2q_sim.packages import PACKAGES
+from q2q_sim.q2q_packages import PACKAGES
 from q2q_sim.ros import node_survey
 from q2q_sim.ros.node_configurations import Configuration, configurations
 from q2q_sim.ros.node_survey import node_modules

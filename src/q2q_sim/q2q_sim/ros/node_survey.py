@@ -19,7 +19,7 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr.cdr_writer import encode
-from q2q_sim.packages import PACKAGES
+from q2q_sim.q2q_packages import PACKAGES
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.node_configurations import VEHICLE, Configuration, configurations, write_start_files
 from q2q_sim.ros.required_parameters import required_parameters

@@ -28,14 +28,14 @@ from q2q_sim.campaigns.random_runs.run_outcome import MODE_AGREEMENT, RunOutcome
 from q2q_sim.monitors.policies import FlightTrace, Violation, judge, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
-from q2q_sim.node_flights.resident import ResidentNodes
+from q2q_sim.node_flights.flight_worker import FlightWorker
 from q2q_sim.node_flights.scenario_flight import fly
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 
 AGREEMENT_M = 1e-9
 """Largest deviation of a flight through the nodes from closed_loop [m]: rounding of reordered sums."""
 APART_EVERY = 20
-"""Period of runs with a process for each node; the others use one resident process."""
+"""Period of runs with a process for each node; the others use one worker process."""
 
 
 class NodeFlights:
@@ -47,16 +47,16 @@ class NodeFlights:
         self._folder = folder / str(os.getpid())
         self._kept = kept
         folder.mkdir(parents=True, exist_ok=True)
-        self._resident = ResidentNodes(folder / "nodes.log")
+        self._worker = FlightWorker(folder / "nodes.log")
 
     def __enter__(self) -> Self:
         """Start the process of the nodes and return the flights."""
-        self._resident.__enter__()
+        self._worker.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         """End the process and delete the folder of running flights."""
-        self._resident.__exit__()
+        self._worker.__exit__()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def fly_and_judge(self, seed: int) -> RunOutcome:
@@ -101,7 +101,7 @@ class NodeFlights:
         if not request.stack:
             fly(request, folder, bag, lambda _: None)
         else:
-            self._resident.fly(node_specs(load_scenario(request), request, folder, bag), folder)
+            self._worker.fly(node_specs(load_scenario(request), request, folder, bag), folder)
         if unfinished := why_unfinished(bag, folder):
             raise BagError(f"the bag was not finished: {unfinished}")
 

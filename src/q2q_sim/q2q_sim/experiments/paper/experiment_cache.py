@@ -8,7 +8,7 @@ from pathlib import Path
 from q2q_model.documents.shipped_folder import shipped_folder
 from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
-from q2q_sim.packages import PACKAGES
+from q2q_sim.q2q_packages import PACKAGES
 
 SUFFIXES = (".py", ".yaml", ".q2q", ".air")
 """Files whose content affects the results: code, parameters, models and airs."""

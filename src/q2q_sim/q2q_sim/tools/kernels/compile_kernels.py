@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from time import monotonic
 
 from q2q_model.compiled import COMPILED, KERNELS, uncached_kernels
-from q2q_sim.packages import PACKAGES
 from q2q_sim.processes.worker_pool import worker_pool
+from q2q_sim.q2q_packages import PACKAGES
 from q2q_sim.tools.kernels.kernel_calls import calls
 
 NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")

@@ -1,4 +1,4 @@
-"""Resident process that flies one flight after another through the nodes, so that it starts only once.
+"""Worker process that flies one flight after another through the nodes, so that it starts only once.
 
 If the process dies, its flight has failed, and the next one gets a new process. After RECYCLE flights it is
 replaced in any case, which bounds memory leaks.
@@ -24,8 +24,8 @@ RECYCLE = 50
 """Flights after which the process is replaced."""
 
 
-class ResidentNodes:
-    """Resident process of nodes; a context manager."""
+class FlightWorker:
+    """Worker process of nodes; a context manager."""
 
     def __init__(self, log: Path) -> None:
         """Take the log file of the nodes."""
@@ -73,7 +73,7 @@ def _redirect_output(log: Path) -> None:
 
 
 def _fly(parameters: Path) -> FlightTiming:
-    from q2q_sim.ros.resident_flight import fly_in_process
+    from q2q_sim.ros.flight_in_process import fly_in_process
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # injected clock jumps are corrected with a warning
