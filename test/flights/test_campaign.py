@@ -8,7 +8,6 @@ import pytest
 from made_outcomes import BROKEN, ended, run_in_this_process
 
 from q2q_model.bag import BagReader
-from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.campaigns.random_runs import campaign_flight, parallel_runs
 from q2q_sim.campaigns.random_runs.campaign_flight import JUDGED
 from q2q_sim.campaigns.random_runs.parallel_runs import run_outcomes
@@ -23,6 +22,7 @@ from q2q_sim.campaigns.random_runs.run_outcome import (
 )
 from q2q_sim.campaigns.random_runs.through_nodes import mode_disagreement
 from q2q_sim.commands import campaign
+from q2q_sim.flight_bag.recorded_trace import trace_in
 from q2q_sim.monitors.policies import POLICIES, FlightTrace, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest

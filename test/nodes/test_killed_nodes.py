@@ -8,7 +8,7 @@ from process_faults import ProcessFault, Waiting, fly_with_process_faults
 
 from q2q_model.bag import BagReader
 from q2q_model.signals.values import CommandStatus, SwarmCommand
-from q2q_sim.bag_topics.recorded_trace import trace_in
+from q2q_sim.flight_bag.recorded_trace import trace_in
 from q2q_sim.monitors.policies import POLICIES, Circumstances, FlightTrace, judge
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.scenarios import library

@@ -12,7 +12,7 @@ import yaml
 from two_hosts import ADDRESS, DESK, ROOM
 
 from q2q_model.model_files.find_model import find_model
-from q2q_sim.bag_topics.recorded_trace import trace_in
+from q2q_sim.flight_bag.recorded_trace import trace_in
 from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.node_flights.flight_nodes import node_specs

@@ -9,8 +9,8 @@ from fresh_checkout import ROOT
 
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.tunable import tunable_of
-from q2q_sim.bag_topics.topics import LATCHED_TYPES, is_latched
 from q2q_sim.commands.node_pages import OUT
+from q2q_sim.flight_bag.topics import LATCHED_TYPES, is_latched
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.docs.node_pages import out_of_date, pages, table
 

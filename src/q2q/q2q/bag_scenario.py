@@ -7,7 +7,7 @@ from pathlib import Path
 from q2q_model.bag import FlightFacts
 from q2q_model.documents.plain_values import Plain
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, is_named, vehicle_by_name
-from q2q_sim.bag_topics.scenario_facts import flown_scenario
+from q2q_sim.flight_bag.scenario_facts import flown_scenario
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_to_document import document_of
 

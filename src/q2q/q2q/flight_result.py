@@ -16,8 +16,8 @@ from q2q_model.flights.flight import Flight
 from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.faults.faults import Fault
+from q2q_sim.flight_bag.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics, measure

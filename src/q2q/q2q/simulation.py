@@ -21,8 +21,8 @@ from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.faults.faults import late_fault_notes, no_size_notes
+from q2q_sim.flight_bag.scenario_facts import scenario_facts
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.policies import RecordedSignal

@@ -11,9 +11,9 @@ import q2q
 from q2q_model.bag import BagError, FlightFacts
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.flights.flight import Flight
-from q2q_sim.bag_topics.bag_verdict import bag_verdict
 from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
 from q2q_sim.faults.faults import Fault
+from q2q_sim.flight_bag.bag_verdict import bag_verdict
 from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.scenarios.scenario_to_document import document_of
 

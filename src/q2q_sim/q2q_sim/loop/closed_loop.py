@@ -41,7 +41,7 @@ class LoopSettings:
     air: FlownAir | None = None
     """Air in place of the scenario's air, or wake and disturbance."""
     on_signal: SignalListener = ignore_signals
-    """Called with every signal of q2q_sim.bag_topics.topics, as a recorder of the nodes' topics."""
+    """Called with every signal of q2q_sim.flight_bag.topics, as a recorder of the nodes' topics."""
 
 
 @dataclass(frozen=True, slots=True)

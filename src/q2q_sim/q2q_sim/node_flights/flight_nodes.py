@@ -13,7 +13,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
-from q2q_sim.bag_topics.topics import PREDICTION_TYPE
+from q2q_sim.flight_bag.topics import PREDICTION_TYPE
 from q2q_sim.loop import flight_blocks
 from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
 from q2q_sim.node_flights.running_nodes import RECORDER

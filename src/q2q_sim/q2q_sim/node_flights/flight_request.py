@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from q2q_model.bag import FlightFacts
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.topic_names import PREDICTIONS
-from q2q_sim.bag_topics.scenario_facts import scenario_facts
+from q2q_sim.flight_bag.scenario_facts import scenario_facts
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.scenario_air import air_of
 from q2q_sim.scenarios import library

@@ -9,7 +9,7 @@ from q2q_model.documents.json_file import Json
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.bag_topics.recorded_diagnostics import NodeLife
+from q2q_sim.flight_bag.recorded_diagnostics import NodeLife
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.flight_metrics import FlightMetrics
 from q2q_sim.monitors.mocap_quality import MocapQuality

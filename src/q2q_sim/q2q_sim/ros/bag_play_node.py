@@ -27,13 +27,13 @@ from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.topic_names import PLAYBACK_OVER
-from q2q_sim.bag_topics.awaited_tick import AwaitedTick, awaited_type, check_awaited, played_tick_topics
-from q2q_sim.bag_topics.play_params import PlayParams
-from q2q_sim.bag_topics.playback import PAUSE_S, Playback
-from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
-from q2q_sim.bag_topics.subscriber_wait import SubscriberWait
-from q2q_sim.bag_topics.tick_messages import TickMessages
-from q2q_sim.bag_topics.topics import has_one_writer
+from q2q_sim.bag_playback.awaited_tick import AwaitedTick, awaited_type, check_awaited, played_tick_topics
+from q2q_sim.bag_playback.play_params import PlayParams
+from q2q_sim.bag_playback.playback import PAUSE_S, Playback
+from q2q_sim.bag_playback.played_messages import PlayedMessages, check_start, played_topics
+from q2q_sim.bag_playback.subscriber_wait import SubscriberWait
+from q2q_sim.bag_playback.tick_messages import TickMessages
+from q2q_sim.flight_bag.topics import has_one_writer
 
 CLOCK = "/clock"
 ANSWER = "answer"

@@ -26,9 +26,9 @@ from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.recorded_bag import RecordedBag
-from q2q_sim.bag_topics.recorded_topics import check_distinct, other_types_note, recorded_types
-from q2q_sim.bag_topics.topics import TYPE_NAMES, is_latched
+from q2q_sim.flight_bag.recorded_bag import RecordedBag
+from q2q_sim.flight_bag.recorded_topics import check_distinct, other_types_note, recorded_types
+from q2q_sim.flight_bag.topics import TYPE_NAMES, is_latched
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.topic_names import TICK_TOPICS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
-from q2q_sim.bag_topics.topics import TYPE_NAMES
+from q2q_sim.flight_bag.topics import TYPE_NAMES
 from q2q_sim.loop import flight_blocks
 from q2q_sim.scenarios import library
 

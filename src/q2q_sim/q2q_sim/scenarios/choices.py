@@ -32,7 +32,7 @@ TOPICS = (
     "interference",
     "command",
 )
-"""Topics of every tick, which a bag may hold (q2q_sim.bag_topics.topics)."""
+"""Topics of every tick, which a bag may hold (q2q_sim.flight_bag.topics)."""
 DISTRIBUTED_TOPIC = "predictions"
 """Topic that a bag may hold of a distributed flight only (q2q_model.signals.topic_names)."""
 ENGINES = ("local", "dask")

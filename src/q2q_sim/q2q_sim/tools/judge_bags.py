@@ -13,8 +13,8 @@ from q2q_model.identification.push.recorded_push import CommandedThrust, check_t
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.signals.values import TrackStatus
 from q2q_model.writable_places import STDOUT
-from q2q_sim.bag_topics.recorded_trace import trace_in
-from q2q_sim.bag_topics.scenario_facts import flown_faults
+from q2q_sim.flight_bag.recorded_trace import trace_in
+from q2q_sim.flight_bag.scenario_facts import flown_faults
 from q2q_sim.monitors.policies import (
     NEEDS,
     POLICIES,

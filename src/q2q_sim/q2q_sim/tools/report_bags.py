@@ -15,8 +15,8 @@ from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.recording_reader import flight_of_bag
 from q2q_model.recordings.recordings_of_bags import topic_map
-from q2q_sim.bag_topics.bag_verdict import bag_verdict
-from q2q_sim.bag_topics.recorded_diagnostics import recorded_lives
+from q2q_sim.flight_bag.bag_verdict import bag_verdict
+from q2q_sim.flight_bag.recorded_diagnostics import recorded_lives
 from q2q_sim.monitors.flight_verdict import verdict_line
 from q2q_sim.monitors.metrics.flight_metrics import measure
 from q2q_sim.monitors.mocap_quality import mocap_quality

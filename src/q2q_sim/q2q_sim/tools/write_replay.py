@@ -19,7 +19,7 @@ from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag, recording_of_table
 from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
-from q2q_sim.bag_topics.scenario_facts import flown_faults
+from q2q_sim.flight_bag.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.monitors.recording_end import with_end

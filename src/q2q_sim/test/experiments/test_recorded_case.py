@@ -8,12 +8,12 @@ import pytest
 import yaml
 
 from q2q_model.bag import FlightFacts, read_flight
-from q2q_sim.bag_topics.scenario_facts import flown_scenario, scenario_facts
 from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure, keep_run
 from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.commands.explain import main
 from q2q_sim.experiments.explanation import recorded_case as cases
 from q2q_sim.experiments.explanation.recorded_case import recorded_case
+from q2q_sim.flight_bag.scenario_facts import flown_scenario, scenario_facts
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios import library
 from q2q_sim.tools.write_replay import part_of_flight

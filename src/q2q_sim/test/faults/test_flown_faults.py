@@ -10,9 +10,9 @@ from judged_hover import flown, moved
 
 from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.bag_topics.bag_verdict import bag_verdict
-from q2q_sim.bag_topics.scenario_facts import flown_faults, scenario_facts
 from q2q_sim.faults.faults import Fault
+from q2q_sim.flight_bag.bag_verdict import bag_verdict
+from q2q_sim.flight_bag.scenario_facts import flown_faults, scenario_facts
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios import library
 

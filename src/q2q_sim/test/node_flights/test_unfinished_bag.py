@@ -9,8 +9,8 @@ from full_disk import full_after
 from q2q_model.bag import BagError, BagRepairWarning, BagWriter
 from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.layout import Signal
-from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.commands import replay_page
+from q2q_sim.flight_bag.recorded_trace import trace_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json

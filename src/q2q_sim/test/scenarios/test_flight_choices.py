@@ -7,8 +7,8 @@ import pytest
 from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.air.room_air import TERMS
-from q2q_sim.bag_topics.topics import TYPE_NAMES
 from q2q_sim.commands.fly import main, parser
+from q2q_sim.flight_bag.topics import TYPE_NAMES
 from q2q_sim.node_flights.scenario_flight import MEASURED
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.scenarios import library

@@ -16,10 +16,10 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
-from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.campaigns.random_runs.run_outcome import CRASH, RunOutcome
 from q2q_sim.campaigns.random_runs.violation_replay import write_replay
+from q2q_sim.flight_bag.scenario_facts import scenario_facts
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.loop.flight_blocks import MODES
 from q2q_sim.monitors.policies import (

@@ -13,7 +13,6 @@ from typing import Self
 import numpy as np
 
 from q2q_model.bag import BagError
-from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.campaigns.random_runs.campaign_flight import (
     JUDGED,
     circumstances_of,
@@ -25,6 +24,7 @@ from q2q_sim.campaigns.random_runs.campaign_flight import (
 )
 from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.campaigns.random_runs.run_outcome import MODE_AGREEMENT, RunOutcome
+from q2q_sim.flight_bag.recorded_trace import trace_in
 from q2q_sim.monitors.policies import FlightTrace, Violation, judge, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario

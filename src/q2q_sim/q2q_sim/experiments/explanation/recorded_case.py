@@ -15,8 +15,8 @@ from q2q_model.model_files.model_names import check_model_name
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
-from q2q_sim.bag_topics.scenario_facts import flown_scenario
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
+from q2q_sim.flight_bag.scenario_facts import flown_scenario
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario

@@ -18,7 +18,7 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.bag_topics.topics import LATCHED_TYPES
+from q2q_sim.flight_bag.topics import LATCHED_TYPES
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
 from q2q_sim.ros.bag_record_node import Recorder

@@ -6,7 +6,7 @@ A subscriber of a latched topic needs the last message even if it is from before
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage
-from q2q_sim.bag_topics.topics import is_latched
+from q2q_sim.flight_bag.topics import is_latched
 
 
 class PlayedMessages:

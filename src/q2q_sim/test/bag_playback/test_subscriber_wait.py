@@ -1,6 +1,6 @@
 """A playback begins when its readers are matched, or after a while without them."""
 
-from q2q_sim.bag_topics.subscriber_wait import SubscriberWait
+from q2q_sim.bag_playback.subscriber_wait import SubscriberWait
 
 
 def begun(wait: SubscriberWait, *looks: tuple[float, int, int]) -> list[bool]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from q2q_model.bag import BagReader, BagWriter, OfferedQos
-from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
+from q2q_sim.bag_playback.played_messages import PlayedMessages, check_start, played_topics
 
 STRING = "std_msgs/msg/String"
 

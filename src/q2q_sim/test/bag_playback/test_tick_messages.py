@@ -6,8 +6,8 @@ from q2q_model.bag import BagReader, BagWriter
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
-from q2q_sim.bag_topics.played_messages import PlayedMessages
-from q2q_sim.bag_topics.tick_messages import BagTick, TickMessages
+from q2q_sim.bag_playback.played_messages import PlayedMessages
+from q2q_sim.bag_playback.tick_messages import BagTick, TickMessages
 
 MS = 1_000_000
 

@@ -8,7 +8,7 @@ from rclpy.serialization import serialize_message
 
 from q2q_model.bag import BagError, BagWriter
 from q2q_model.diagnostics.health import Level
-from q2q_sim.bag_topics.recorded_diagnostics import TOPIC, recorded_lives
+from q2q_sim.flight_bag.recorded_diagnostics import TOPIC, recorded_lives
 
 
 def bag_of(folder: Path, output: list[tuple[str, Level, str]]) -> Path:

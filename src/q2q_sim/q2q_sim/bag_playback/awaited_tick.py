@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from q2q_model.bag import RawMessage
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
-from q2q_sim.bag_topics.tick_messages import BagTick
-from q2q_sim.bag_topics.topics import TYPE_NAMES
+from q2q_sim.bag_playback.tick_messages import BagTick
+from q2q_sim.flight_bag.topics import TYPE_NAMES
 from q2q_sim.simulator.resend_timer import ResendTimer
 
 TICK_TOPIC = "mocap"

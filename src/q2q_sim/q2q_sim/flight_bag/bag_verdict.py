@@ -5,7 +5,7 @@ from pathlib import Path
 from q2q_model.bag import BagReader, read_facts
 from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.bag_topics.scenario_facts import flown_faults
+from q2q_sim.flight_bag.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.policies import Circumstances

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from q2q_model.bag import RawMessage
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
-from q2q_sim.bag_topics.played_messages import PlayedMessages
+from q2q_sim.bag_playback.played_messages import PlayedMessages
 
 REACH_NS = 200_000_000
 """Bag time after a tick up to which messages of its stamp are looked for [ns]: twenty ticks at 100 Hz."""

@@ -1,6 +1,6 @@
 """Each message of a bag is due at its bag time, after pauses and in each round of a loop."""
 
-from q2q_sim.bag_topics.playback import Playback
+from q2q_sim.bag_playback.playback import Playback
 
 
 def test_a_pause_delays_what_is_due_after_it_and_a_round_begins_with_the_end_of_the_last() -> None:

@@ -6,8 +6,8 @@ from q2q_model.bag import RawMessage
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.bag_topics.awaited_tick import AwaitedTick, check_awaited, played_tick_topics
-from q2q_sim.bag_topics.tick_messages import BagTick
+from q2q_sim.bag_playback.awaited_tick import AwaitedTick, check_awaited, played_tick_topics
+from q2q_sim.bag_playback.tick_messages import BagTick
 
 
 def message(topic: str, stamp_ns: int) -> RawMessage:

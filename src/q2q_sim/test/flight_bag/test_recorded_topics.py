@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_sim.bag_topics.recorded_topics import (
+from q2q_sim.flight_bag.recorded_topics import (
     check_distinct,
     other_types_note,
     recorded_types,

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping
 
 from q2q_model.bag.storage.definitions import definition_of, jazzy_types
-from q2q_sim.bag_topics.topics import TYPE_NAMES
+from q2q_sim.flight_bag.topics import TYPE_NAMES
 
 HEADER = "std_msgs/msg/Header"
 

@@ -7,7 +7,7 @@ from full_disk import full_after
 from serialized_commands import serialized_at
 
 from q2q_model.bag import BagError, BagReader, BagWriter, OfferedQos
-from q2q_sim.bag_topics.recorded_bag import RecordedBag
+from q2q_sim.flight_bag.recorded_bag import RecordedBag
 
 COMMAND = "q2q_msgs/msg/SwarmCommand"
 

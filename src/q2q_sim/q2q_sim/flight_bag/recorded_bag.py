@@ -14,7 +14,7 @@ from q2q_model.diagnostics.health import Health
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
-from q2q_sim.bag_topics.recorded_topics import silent_topics_note
+from q2q_sim.flight_bag.recorded_topics import silent_topics_note
 
 
 class RecordedBag:
