@@ -46,8 +46,8 @@ HEIGHT, CLIMB, RESIDUAL, OFFSET = range(4)
 """Columns of the state."""
 
 
-class Belief(NamedTuple):
-    """State and covariance of every vehicle."""
+class ResidualEstimate(NamedTuple):
+    """Estimated state of every vehicle and its covariance."""
 
     state: Array
     """z v w b, (n, 4)."""
@@ -82,7 +82,7 @@ class ResidualObserver:
         self._t = self._sampled_at = -np.inf
         self._known: Mask = np.zeros(0, np.bool_)
         self._sigma = np.zeros(0)
-        self.belief = Belief(np.zeros((0, 4)), np.zeros((0, 4, 4)))
+        self.estimate = ResidualEstimate(np.zeros((0, 4)), np.zeros((0, 4, 4)))
 
     def update(self, measured: Measurement, eta: Array) -> Array:
         """Return the state at the measurement's time, (n, 4), given the predicted downwash (n,) [m/s^2]."""
@@ -96,9 +96,9 @@ class ResidualObserver:
         *motion, fresh = measured.rows
         height, climb, acc = (column[:, 2].copy() for column in motion)
         rows = ResidualRows(height, climb, acc, self._sigma, fresh)
-        advance(self.belief, self._known, rows, step, self._process.correlation(step))
+        advance(self.estimate, self._known, rows, step, self._process.correlation(step))
         self._known |= fresh
-        return self.belief.state.copy()
+        return self.estimate.state.copy()
 
     def correct_by_accelerometer(self, t: float, push: Array) -> None:
         """Correct by y [m/s^2], (n,), of time t [s], in the order of the last update; NaN where unknown.
@@ -110,17 +110,19 @@ class ResidualObserver:
             return
         self._sampled_at, share = t, self._process.correlation(age)
         noise = self._process.noise**2 + (1.0 - share**2) * self._sigma**2
-        correct_by_push(self.belief, self._known & np.isfinite(push), push, noise, share)
+        correct_by_push(self.estimate, self._known & np.isfinite(push), push, noise, share)
 
     def _reorder(self, names: Names) -> None:
-        have, old = self._names, self.belief
+        have, old = self._names, self.estimate
         self._known = rows_by_name(self._known, have, names)
-        self.belief = Belief(rows_by_name(old.state, have, names), rows_by_name(old.cov, have, names))
+        self.estimate = ResidualEstimate(
+            rows_by_name(old.state, have, names), rows_by_name(old.cov, have, names)
+        )
         self._names = names
 
 
 @compiled
-def advance(belief: Belief, known: Mask, rows: ResidualRows, step: float, share: float) -> None:
+def advance(estimate: ResidualEstimate, known: Mask, rows: ResidualRows, step: float, share: float) -> None:
     """Propagate by a step [s] and correct by heights, in place; rows that are not `known` (n,) are reset.
 
     `share` is what remains of w [-].
@@ -130,7 +132,7 @@ def advance(belief: Belief, known: Mask, rows: ResidualRows, step: float, share:
     F[0, 1], F[0, 2], F[0, 3], F[1, 2], F[1, 3], F[2, 2] = step, half, half, step, step, share
     see = np.array([1.0, 0.0, 0.0, 0.0])
     for i in range(rows.height.size):
-        x, P = belief.state[i], belief.cov[i]
+        x, P = estimate.state[i], estimate.cov[i]
         if not known[i]:
             _start(x, P, rows, i)
             continue
@@ -160,7 +162,7 @@ def _propagate(x: Array, P: Array, F: Array, acc: float, sigma: float) -> None:
 
 
 @compiled
-def correct_by_push(belief: Belief, rows: Mask, push: Array, noise: Array, share: float) -> None:
+def correct_by_push(estimate: ResidualEstimate, rows: Mask, push: Array, noise: Array, share: float) -> None:
     """Correct `rows` (n,) in place by y [m/s^2], (n,), samples of share w + b.
 
     `noise` (n,) is their variance [m^2/s^4].
@@ -168,7 +170,7 @@ def correct_by_push(belief: Belief, rows: Mask, push: Array, noise: Array, share
     see = np.array([0.0, 0.0, share, 1.0])
     for i in range(push.size):
         if rows[i]:
-            _correct(belief.state[i], belief.cov[i], see, push[i], noise[i])
+            _correct(estimate.state[i], estimate.cov[i], see, push[i], noise[i])
 
 
 @compiled

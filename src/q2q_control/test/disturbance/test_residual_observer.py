@@ -72,7 +72,7 @@ def test_a_step_of_the_push_is_followed_by_the_poles_of_the_riccati_equation() -
         observer.correct_by_accelerometer(i * DT, push[[i]])
         ahead = F @ x
         x = ahead + gain @ (np.array([height[i], push[i]]) - H @ ahead)
-        np.testing.assert_allclose(observer.belief.state[0], x, atol=1e-6)
+        np.testing.assert_allclose(observer.estimate.state[0], x, atol=1e-6)
     assert x[RESIDUAL] + x[OFFSET] == pytest.approx(1.0, abs=0.05)
     assert x[CLIMB] == pytest.approx(99 * DT, abs=0.02)
 
@@ -106,25 +106,25 @@ def test_an_older_sample_weighs_less_and_one_too_old_nothing() -> None:
     for age in (0, 5, 15):
         observer = ResidualObserver(NO_SLOPE)
         run(observer, np.zeros(40))
-        before = observer.belief.state[0].copy()
+        before = observer.estimate.state[0].copy()
         observer.correct_by_accelerometer((39 - age) * DT, np.ones(1))
-        steps.append(float((observer.belief.state[0] - before)[RESIDUAL]))
+        steps.append(float((observer.estimate.state[0] - before)[RESIDUAL]))
     assert steps[0] > 2.0 * steps[1] > 4.0 * steps[2] > 0.0
     observer.correct_by_accelerometer(40 * DT, np.ones(1))  # of the future
     fresh = ResidualObserver(NO_SLOPE)
     run(fresh, np.zeros(40))
     fresh.correct_by_accelerometer(39 * DT - OLDEST - DT, np.ones(1))
-    np.testing.assert_array_equal(fresh.belief.state[0, [RESIDUAL, OFFSET]], [0.0, 0.0])
+    np.testing.assert_array_equal(fresh.estimate.state[0, [RESIDUAL, OFFSET]], [0.0, 0.0])
 
 
 def test_a_silent_vehicle_is_left_to_the_model_within_the_correlation_time() -> None:
     observer = ResidualObserver(NO_SLOPE)
     t = np.arange(100) * DT
     run(observer, 0.5 * t**2, np.ones(100))
-    before = observer.belief.state[0].copy()
+    before = observer.estimate.state[0].copy()
     for k in range(100, 140):
         observer.update(seen(k * DT, np.nan, fresh=False), np.zeros(1))
-    after = observer.belief.state[0]
+    after = observer.estimate.state[0]
     assert after[RESIDUAL] == pytest.approx(before[RESIDUAL] * NO_SLOPE.correlation(0.4), rel=1e-9)
     assert after[OFFSET] == pytest.approx(before[OFFSET], rel=1e-12)
     assert np.isfinite(after[HEIGHT])

@@ -24,7 +24,7 @@ from q2q_sim.experiments.robustness.perturbations import (
     PASSAGE,
     PERTURBATIONS,
     Perturbation,
-    believed_model,
+    assumed_model,
     flown_room,
 )
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
@@ -36,13 +36,11 @@ FLIGHTS = asked_flights(["ring", "bent"], 1, 5)
 
 
 def test_the_believed_downwash_is_stronger_and_later_as_asked() -> None:
-    late = believed_model(MEASURED_LAW, Perturbation("", strength=1.5, delay=0.05))
+    late = assumed_model(MEASURED_LAW, Perturbation("", strength=1.5, delay=0.05))
     assert late.strength == pytest.approx(1.5 * MEASURED_LAW.strength)
     assert GAP / late.travel_speed - GAP / MEASURED_LAW.travel_speed == pytest.approx(0.05)
-    assert GAP / believed_model(PAPER_LAW, Perturbation("", delay=0.05)).travel_speed == pytest.approx(0.05)
-    assert GAP / believed_model(MEASURED_LAW, Perturbation("", delay=-0.5)).travel_speed == pytest.approx(
-        1e-3
-    )
+    assert GAP / assumed_model(PAPER_LAW, Perturbation("", delay=0.05)).travel_speed == pytest.approx(0.05)
+    assert GAP / assumed_model(MEASURED_LAW, Perturbation("", delay=-0.5)).travel_speed == pytest.approx(1e-3)
 
 
 def test_the_flown_room_has_the_faults_of_every_draw_and_another_latency() -> None:

@@ -15,7 +15,12 @@ from q2q_model.estimation.association.jump_candidates import (
     mean_velocity,
 )
 from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
-from q2q_model.estimation.association.suspected_swaps import LastSample, Suspicion, Unmatched, suspected_swaps
+from q2q_model.estimation.association.suspected_swaps import (
+    LastSample,
+    SwapEvidence,
+    Unmatched,
+    suspected_swaps,
+)
 from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 
@@ -83,7 +88,7 @@ class Reacquisition:
         noted = self._candidates["ambiguous"]
         noted &= unmatched.either.sum() > unmatched.either  # another one
         noted &= self.joins(t, pos) | ~unmatched.rejected
-        noted |= suspected_swaps(Suspicion(t, pos, last, self._candidates, self._limits), unmatched)
+        noted |= suspected_swaps(SwapEvidence(t, pos, last, self._candidates, self._limits), unmatched)
         return noted.copy()
 
     def velocity(self) -> Array:

@@ -58,7 +58,7 @@ class Unmatched(NamedTuple):
         return np.asarray(self.absent | self.rejected)
 
 
-class Suspicion(NamedTuple):
+class SwapEvidence(NamedTuple):
     """Samples of a tick, and tracks and candidates before it, from which a swap is recognised."""
 
     t: float
@@ -71,7 +71,7 @@ class Suspicion(NamedTuple):
     limits: OutlierThresholds
 
 
-def suspected_swaps(found: Suspicion, unmatched: Unmatched) -> Mask:
+def suspected_swaps(found: SwapEvidence, unmatched: Unmatched) -> Mask:
     """Return which rejected samples may be of another vehicle with a wrong name, (n,)."""
     mine, others = np.flatnonzero(unmatched.rejected), np.flatnonzero(unmatched.either)  # (r,), (m,)
     own = np.arange(mine.size), np.searchsorted(others, mine)
@@ -84,7 +84,7 @@ def suspected_swaps(found: Suspicion, unmatched: Unmatched) -> Mask:
     return swapped
 
 
-def _away(found: Suspicion, mine: Rows, others: Rows) -> tuple[Array, Array]:
+def _away(found: SwapEvidence, mine: Rows, others: Rows) -> tuple[Array, Array]:
     """Return how far samples (r,) are from vehicles (m,) [m], and the same less their straying, (r, m)."""
     last, since = found.last, found.t - found.last.time
     flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
@@ -98,7 +98,7 @@ def _nearer_exchanged(away: Array) -> Mask:
     return np.asarray(away + away.T < kept[:, None] + kept)
 
 
-def _goes_on(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
+def _goes_on(found: SwapEvidence, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
     """Return which samples (r,) join candidates of others (m,) that are nearer than their own, (r, m)."""
     candidates = found.candidates[others]
     away = _distances(found.pos[mine], candidates["last_pos"])
@@ -106,7 +106,7 @@ def _goes_on(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows])
     return joins & _less(np.where(joins, away, np.inf), own)
 
 
-def _moves_along(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
+def _moves_along(found: SwapEvidence, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
     """Return which candidates (r,) move as the others (m,) did, rather than as their own vehicles, (r, m)."""
     candidates, last = found.candidates[mine], found.last
     vel = np.where(last.coasting[:, None], last.vel, np.nan)

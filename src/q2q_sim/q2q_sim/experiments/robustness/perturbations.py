@@ -10,7 +10,7 @@ PASSAGE = "table6_room"
 GAP = 0.5
 """Height difference of the passage [m], at which delays are compared."""
 SHORTEST = 1e-3
-"""Minimum believed delay [s]."""
+"""Minimum assumed delay [s]."""
 HASTE = 0.5
 """Times of the waypoints over those of the scenario [-]."""
 
@@ -22,11 +22,11 @@ class Perturbation:
     name: str
     scenario: str = PASSAGE
     strength: float = 1.0
-    """Believed strength of the jet over that of the model [-]."""
+    """Assumed strength of the jet over that of the model [-]."""
     delay: float = 0.0
-    """Believed delay less that of the model [s]."""
+    """Assumed delay less that of the model [s]."""
     latency: float = 0.0
-    """Latency of the radio beyond the believed one [s]."""
+    """Latency of the radio beyond the assumed one [s]."""
     silent: bool = False
     """No accelerometers arrive."""
     faults: tuple[Fault, ...] = ()
@@ -57,7 +57,7 @@ def with_faster_paths(scenario: Scenario) -> Scenario:
     return replace(scenario, waypoints=vehicles, duration=HASTE * scenario.duration)
 
 
-def believed_model(model: Jet, one: Perturbation) -> Jet:
+def assumed_model(model: Jet, one: Perturbation) -> Jet:
     """Return the model that the controller is given."""
     changed = replace(model, strength=one.strength * model.strength)
     if one.delay == 0.0:
@@ -76,6 +76,6 @@ def flown_room(scenario: Scenario, one: Perturbation) -> Scenario:
     return replace(scenario, radio=radio, faults=faults)
 
 
-def without_belief(one: Perturbation) -> Perturbation:
+def without_model_errors(one: Perturbation) -> Perturbation:
     """Return what is left of a perturbation for a controller that ignores the downwash."""
     return replace(one, name="", strength=1.0, delay=0.0, silent=False)

@@ -22,7 +22,7 @@ from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
 from q2q_sim.experiments.robustness.perturbations import (
     Perturbation,
-    believed_model,
+    assumed_model,
     flown_room,
     with_faster_paths,
 )
@@ -70,7 +70,7 @@ def fly_perturbed(asked: PerturbedFlight) -> Errors:
     model = model_in(scenario, asked.air)
     mode: Mode = "aware" if asked.corrects else "ignoring"
     choice = BlockChoices(mode, asked.controller, correct=asked.corrects)
-    blocks = blocks_of(scenario, choice, believed_model(model, asked.perturbation), residual=REAL_FLIGHTS)
+    blocks = blocks_of(scenario, choice, assumed_model(model, asked.perturbation), residual=REAL_FLIGHTS)
     if asked.perturbation.silent:
         blocks = replace(blocks, sense=ignore_accelerometers)
     settings = LoopSettings(mode, asked.seed, find_air(asked.air))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS, without_belief
+from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS, without_model_errors
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
 from q2q_sim.report.markdown_table import markdown_table
 from q2q_sim.report.significant_digits import MM
@@ -33,7 +33,7 @@ def flight_key(asked: PerturbedFlight) -> str:
 
 def ignoring_flight(asked: PerturbedFlight) -> PerturbedFlight:
     """Return the flight to compare with."""
-    return replace(asked, perturbation=without_belief(asked.perturbation), corrects=False)
+    return replace(asked, perturbation=without_model_errors(asked.perturbation), corrects=False)
 
 
 def page(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight], command: str) -> str:
