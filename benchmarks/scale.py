@@ -16,7 +16,7 @@ import yaml
 
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun
-from q2q_sim.node_flights.scenario_flight import fly
+from q2q_sim.node_flights.scenario_flight import fly_through_nodes
 from row import Row
 
 SIZES = (2, 10, 50, 100, 200, 400)
@@ -80,7 +80,7 @@ def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[
         scenario = Path(place) / f"pairs_{vehicles}.yaml"
         scenario.write_text(yaml.safe_dump(passing_pairs(vehicles, duration)))
         request = FlightRequest(str(scenario), live=live, stack=stack, record=RECORDED)
-        flown = fly(request, Path(place) / "nodes", Path(place) / "bag", follow)
+        flown = fly_through_nodes(request, Path(place) / "nodes", Path(place) / "bag", follow)
     if len(readings) < 2:
         return flown, None
     (begin, cpu_before), (end, cpu_after) = readings[0], readings[-1]

@@ -32,7 +32,7 @@ from q2q_sim.node_flights import flight_nodes, scenario_flight
 from q2q_sim.node_flights.flight_request import FlightRequest, facts_of, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
-from q2q_sim.node_flights.scenario_flight import fly
+from q2q_sim.node_flights.scenario_flight import fly_through_nodes
 from q2q_sim.processes.flight_progress import STILL_S
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
 from q2q_sim.scenarios import library
@@ -44,7 +44,9 @@ SCENARIO = str(Path(__file__).parents[1] / "scenarios" / "short_room.yaml")
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> FlightRun:
     folder = tmp_path_factory.mktemp("with a space")
-    return fly(FlightRequest(SCENARIO, seed=3), folder / "nodes", folder / "bag", lambda _: None)
+    return fly_through_nodes(
+        FlightRequest(SCENARIO, seed=3), folder / "nodes", folder / "bag", lambda _: None
+    )
 
 
 def test_a_stalled_flight_fails_before_the_simulator_flies_on_without_a_command() -> None:
@@ -66,7 +68,7 @@ def test_a_plan_file_flies_through_the_nodes_as_without_ros(tmp_path: Path) -> N
     plan = tmp_path / "plan.json"
     plan_file.save(plan, flight_blocks.plan_of(library.load(str(tmp_path / "points.yaml"))))
     request = FlightRequest(str(plan), vehicle="crazyflie_2_1", wake="paper", model="paper_law", stack=True)
-    through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    through_nodes = fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     model = find_model("paper_law").interaction
     alone = fly_pure(load_scenario(request), FlightOptions(model=model))
     np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
@@ -96,7 +98,7 @@ def test_corrected_flights_take_the_accelerometers_of_the_same_ticks_with_and_wi
     tmp_path: Path,
 ) -> None:
     request = FlightRequest(SCENARIO, controller="mpc", stack=True, seed=3, correct=True)
-    through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    through_nodes = fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     scenario = library.load(SCENARIO)
     options = FlightOptions(
         controller="mpc", seed=3, model=find_model(scenario.model).interaction, residual_process=REAL_FLIGHTS
@@ -108,7 +110,7 @@ def test_corrected_flights_take_the_accelerometers_of_the_same_ticks_with_and_wi
 
 def test_one_mpc_node_a_vehicle_flies_the_numbers_of_the_distributed_loop_without_ros(tmp_path: Path) -> None:
     request = FlightRequest(SCENARIO, controller="mpc", distributed=True, stack=True, seed=3)
-    through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    through_nodes = fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     scenario, model = load_scenario(request), find_model(load_scenario(request).model).interaction
     blocks = flight_blocks.blocks_of(scenario, request.options, model)
     distributed = DistributedMpc(scenario, request.options, model, blocks.plan)
@@ -130,7 +132,7 @@ def test_flown_again_in_one_process_the_same_seed_gives_the_same_numbers_to_the_
     run: FlightRun, tmp_path: Path
 ) -> None:
     request = FlightRequest(SCENARIO, seed=3, stack=True)
-    stacked = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    stacked = fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     assert stacked.timing.missed_ticks == 0
     for name, values in arrays_of(run.flight).items():
         np.testing.assert_array_equal(arrays_of(stacked.flight)[name], values, err_msg=name)
@@ -199,7 +201,7 @@ def test_a_lockstep_flight_under_sim_time_ends_with_the_same_numbers_to_the_last
         scenario_flight, "node_specs", lambda *given: [under_sim_time(one) for one in specs(*given)]
     )
     request = FlightRequest(SCENARIO, seed=3, stack=True)
-    timed = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    timed = fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     assert timed.timing.missed_ticks == 0
     for name, values in arrays_of(run.flight).items():
         np.testing.assert_array_equal(arrays_of(timed.flight)[name], values, err_msg=name)
@@ -210,17 +212,19 @@ def test_a_lockstep_flight_under_sim_time_ends_with_the_same_numbers_to_the_last
 
 def test_a_bag_is_never_overwritten(run: FlightRun, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="exists: choose another folder"):
-        fly(FlightRequest(SCENARIO), tmp_path / "nodes", run.bag, lambda _: None)
+        fly_through_nodes(FlightRequest(SCENARIO), tmp_path / "nodes", run.bag, lambda _: None)
 
 
 def test_a_node_that_cannot_start_ends_the_flight_with_its_own_words(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("a file stands where the bag's folder should be")
     with pytest.raises(NodeDiedError, match=r"bag_record ended with status 2: .*taken"):
-        fly(FlightRequest(SCENARIO), tmp_path / "nodes", tmp_path / "taken" / "bag", lambda _: None)
+        fly_through_nodes(
+            FlightRequest(SCENARIO), tmp_path / "nodes", tmp_path / "taken" / "bag", lambda _: None
+        )
 
 
 def test_a_model_there_is_not_is_refused_before_any_node_starts(tmp_path: Path) -> None:
     request = FlightRequest(SCENARIO, model=str(tmp_path / "no_such_model.q2q"))
     with pytest.raises(ModelFileError, match=r"no model .*no_such_model"):
-        fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+        fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     assert not (tmp_path / "nodes" / "pid.log").exists()

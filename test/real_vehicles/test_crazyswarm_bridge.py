@@ -14,7 +14,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from geometry_msgs.msg import Point
 
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
-from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
+from q2q_control.crazyswarm.message_conversion import NamedPose, legacy_twists, mocap_frame, poses_of
 from q2q_control.radio.crazyflies_file import crazyflies_from_document
 from q2q_control.radio.link.rpyt_scale import RpytScale
 from q2q_control.ros.controller_wiring import LegacyTopics
@@ -123,7 +123,7 @@ def test_poses_become_a_frame_of_the_known_vehicles_in_both_versions() -> None:
 
 
 def test_half_an_orientation_is_none() -> None:
-    frame = frame_of(0, [NamedPose("cf1", (0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0))], NAMES)
+    frame = mocap_frame(0, [NamedPose("cf1", (0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0))], NAMES)
     assert np.isnan(frame.quat).all()
 
 

@@ -15,7 +15,7 @@ from launch_ros.actions import SetRemap
 
 from launch import LaunchDescription, LaunchDescriptionEntity
 from q2q_sim.launching.launch_arguments import CRAZYSWARM_ARGUMENTS
-from q2q_sim.launching.launch_description import describe
+from q2q_sim.launching.launch_description import describe_launch
 from q2q_sim.launching.launched_nodes import crazyswarm_nodes, server_arguments
 
 
@@ -30,4 +30,4 @@ def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:
 
 def generate_launch_description() -> LaunchDescription:
     """Return server, bridge and nodes; `--show-args` lists the arguments."""
-    return describe(CRAZYSWARM_ARGUMENTS, crazyswarm_nodes, others=server)
+    return describe_launch(CRAZYSWARM_ARGUMENTS, crazyswarm_nodes, others=server)

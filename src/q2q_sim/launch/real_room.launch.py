@@ -5,10 +5,10 @@ Motion capture comes from outside on the topic `mocap:=`. Nothing moves before `
 
 from launch import LaunchDescription
 from q2q_sim.launching.launch_arguments import ROOM_ARGUMENTS
-from q2q_sim.launching.launch_description import describe
+from q2q_sim.launching.launch_description import describe_launch
 from q2q_sim.launching.launched_nodes import room_nodes
 
 
 def generate_launch_description() -> LaunchDescription:
     """Return the nodes between motion capture and radio; `--show-args` lists the arguments."""
-    return describe(ROOM_ARGUMENTS, room_nodes, {"mocap": "mocap"})
+    return describe_launch(ROOM_ARGUMENTS, room_nodes, {"mocap": "mocap"})

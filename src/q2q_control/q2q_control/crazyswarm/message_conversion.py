@@ -53,7 +53,7 @@ def legacy_twists(command: SwarmCommand, scale: RpytScale, backend: str) -> Arra
     return np.asarray(rpyt_rows(command, scale) * signs)
 
 
-def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:
+def mocap_frame(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:
     """Return the frame of the known vehicles given once; an incomplete orientation becomes NaN."""
     duplicates = duplicate_names(poses, vehicles)
     known = [one for one in poses if one.name in vehicles and one.name not in duplicates]

@@ -96,7 +96,7 @@ class ResidualObserver:
         *motion, fresh = measured.rows
         height, climb, acc = (column[:, 2].copy() for column in motion)
         rows = ResidualRows(height, climb, acc, self._sigma, fresh)
-        advance(self.estimate, self._known, rows, step, self._process.correlation(step))
+        predict_and_correct(self.estimate, self._known, rows, step, self._process.correlation(step))
         self._known |= fresh
         return self.estimate.state.copy()
 
@@ -122,7 +122,9 @@ class ResidualObserver:
 
 
 @compiled
-def advance(estimate: ResidualEstimate, known: Mask, rows: ResidualRows, step: float, share: float) -> None:
+def predict_and_correct(
+    estimate: ResidualEstimate, known: Mask, rows: ResidualRows, step: float, share: float
+) -> None:
     """Propagate by a step [s] and correct by heights, in place; rows that are not `known` (n,) are reset.
 
     `share` is what remains of w [-].

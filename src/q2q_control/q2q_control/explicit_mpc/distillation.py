@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from q2q_control.explicit_mpc.encounter_flight import ControlPolicy, fly, teacher_policy
+from q2q_control.explicit_mpc.encounter_flight import ControlPolicy, fly_encounters, teacher_policy
 from q2q_control.explicit_mpc.explicit_law import ExplicitLaw, evaluate
 from q2q_control.explicit_mpc.features import WIDTH, Features, features
 from q2q_control.explicit_mpc.situations import Situations, random_encounters, random_situations
@@ -61,7 +61,9 @@ def distil(teacher: Teacher, params: DistillationParams, rng: np.random.Generato
     for by_law in (False, True):
         encounters = random_encounters(params.encounters, params.length, step, rng)
         policy = control_policy(law, teacher) if by_law else teacher_policy(teacher)
-        situations.append(fly(encounters, policy, teacher, lambda shape: _gusts(shape, rng)).visited)
+        situations.append(
+            fly_encounters(encounters, policy, teacher, lambda shape: _gusts(shape, rng)).visited
+        )
         law = fit_weights(law, training_set(situations, teacher), params.iterations)
     return law
 

@@ -49,7 +49,7 @@ def teacher_policy(teacher: Teacher) -> ControlPolicy:
     return policy
 
 
-def fly(
+def fly_encounters(
     encounters: Encounters, policy: ControlPolicy, teacher: Teacher, nudges: Nudges = np.zeros
 ) -> EncounterFlight:
     """Return a flight of all encounters, each starting on its references apart from `nudges`."""

@@ -69,7 +69,7 @@ PlainRule = tuple[float, float, float, float, bool]
 """Fields of a CommandRule, which numba takes from Python in less than half the time."""
 
 
-def command_rule(params: MpcParams) -> PlainRule:
+def plain_command_rule(params: MpcParams) -> PlainRule:
     """Return the parameters of the commands."""
     return (
         *CommandRule(

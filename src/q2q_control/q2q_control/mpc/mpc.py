@@ -29,7 +29,7 @@ from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
-from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
+from q2q_control.mpc.commanded_acceleration import MpcReport, commanded_acceleration, plain_command_rule
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, with_correction_bandwidth
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.neighbours.constant_velocity import Neighbours, at_constant_velocity
@@ -137,7 +137,7 @@ class Mpc:
         hover = min(self._vehicle.hover_thrust, thrust_max)
         self._last_commands = LastCommands(HoldThenLevel(params.hold_duration, hover))
         self._law = (*CommandLaw((*limits,), thrust_max * (1.0 - 1e-9), self._last_commands.rule.numbers),)
-        self._command_rule = command_rule(params)
+        self._command_rule = plain_command_rule(params)
         self.reset()
 
     def follow(self, preview: ReferencePreview | None) -> None:

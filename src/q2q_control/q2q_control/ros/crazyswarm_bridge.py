@@ -8,7 +8,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from q2q_control.crazyswarm.configured_vehicles import poses_version, server_vehicles, vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
-from q2q_control.crazyswarm.message_conversion import duplicate_names, frame_of, poses_of
+from q2q_control.crazyswarm.message_conversion import duplicate_names, mocap_frame, poses_of
 from q2q_control.crazyswarm.pose_topics import DEADLINE_NS, PoseNames, PoseReader, readers_refusal
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
@@ -175,7 +175,7 @@ class Crazyswarm:
         self._pose_names.take([one.name for one in poses])
         if duplicates := duplicate_names(poses, self._names):
             self._health.refuse(f"{self._settings.poses_in}: {listed(duplicates)} {DUPLICATE}")
-        self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
+        self._mocap.publish(encode(mocap_frame(stamp_ns, poses, self._names), stamp_ns))
 
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:
         if self._poses is not None:

@@ -12,7 +12,7 @@ from pid_swarms import swarm
 
 from q2q_control.explicit_mpc.c_export import c_source
 from q2q_control.explicit_mpc.distillation import DistillationParams, control_policy, distil
-from q2q_control.explicit_mpc.encounter_flight import fly, teacher_policy
+from q2q_control.explicit_mpc.encounter_flight import fly_encounters, teacher_policy
 from q2q_control.explicit_mpc.explicit_law import (
     ExplicitLaw,
     evaluate,
@@ -210,8 +210,8 @@ def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part()
 
 def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_horizon():
     shown = random_encounters(30, 100, PARAMS.step, np.random.default_rng(10))  # distilled from other seeds
-    ours = fly(shown, control_policy(distilled(), TEACHER), TEACHER).cost
-    theirs = fly(shown, teacher_policy(TEACHER), TEACHER).cost
+    ours = fly_encounters(shown, control_policy(distilled(), TEACHER), TEACHER).cost
+    theirs = fly_encounters(shown, teacher_policy(TEACHER), TEACHER).cost
     assert np.median(ours / theirs) <= 1.05
     assert ours.sum() <= 1.05 * theirs.sum()  # made up by the hard ones, where the bound matters
 

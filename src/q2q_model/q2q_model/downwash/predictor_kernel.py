@@ -82,7 +82,7 @@ the horizontal and the vertical reach [m]."""
 
 
 @compiled
-def body_z(state: Array, axis: Array) -> None:
+def write_body_z(state: Array, axis: Array) -> None:
     """Write body z, world, (3,) of a `state`, a row of `states`; level where its orientation is unknown."""
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
@@ -114,7 +114,7 @@ def find_pairs(states: Array, now: Array, past: Array, reach: tuple[float, float
             whole = whole and math.isfinite(states[i, k])
         for k in range(3):
             pos[i, k] = states[i, k] if whole else math.nan
-        body_z(states[i], now[i, 6:])
+        write_body_z(states[i], now[i, 6:])
     if past.size == 0:  # no delay, or no vehicle
         return sweep(pos, reach[0], reach[1])
     far = np.zeros((pos.shape[0], 2))

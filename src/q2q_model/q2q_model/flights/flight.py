@@ -97,7 +97,7 @@ def of_vehicle(flight: Flight, name: str) -> Flight:
     return replace(flight, names=(name,), **made)
 
 
-def of_vehicles(flight: Flight, names: Names) -> Flight:
+def flight_of_vehicles(flight: Flight, names: Names) -> Flight:
     """Return the flight of some vehicles.
 
     Raises:

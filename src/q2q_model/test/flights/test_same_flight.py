@@ -18,7 +18,7 @@ from q2q_model.flights.duplicates.same_flight import (
     flight_digest,
     is_same_flight,
 )
-from q2q_model.flights.flight import Flight, of_rows, of_vehicles
+from q2q_model.flights.flight import Flight, flight_of_vehicles, of_rows
 from q2q_model.recordings.recording_reader import recording_of_table
 
 DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
@@ -68,8 +68,8 @@ def _single_precision(flight: Flight) -> Flight:
         lambda one: replace(one, t=one.t + 0.01),
         lambda one: replace(one, t=2.0 * one.t + 1e6),
         lambda one: replace(one, names=("a", "b")),
-        lambda one: of_vehicles(one, ("cf2",)),
-        lambda one: of_vehicles(one, ("cf2", "cf1")),
+        lambda one: flight_of_vehicles(one, ("cf2",)),
+        lambda one: flight_of_vehicles(one, ("cf2", "cf1")),
         lambda one: replace(one, mocap_pos=one.mocap_pos + 1.23456789),
         _single_precision,
     ],
@@ -137,7 +137,7 @@ def test_one_vehicle_that_flies_alike_does_not_make_two_flights_the_same() -> No
     upper = np.array([False, True])[:, None]
     other = replace(other, mocap_pos=np.where(upper, flight.mocap_pos, other.mocap_pos))
     assert not is_same_flight(flight_digest(flight), flight_digest(other))
-    assert is_same_flight(flight_digest(of_vehicles(flight, ("cf2",))), flight_digest(other))
+    assert is_same_flight(flight_digest(flight_of_vehicles(flight, ("cf2",))), flight_digest(other))
 
 
 def test_simulated_flights_of_the_same_noise_are_the_same_only_if_they_are_equal() -> None:

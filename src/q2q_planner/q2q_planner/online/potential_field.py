@@ -39,7 +39,7 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.setpoint_error import (
     SetpointError,
-    match_rows,
+    match_error_rows,
     no_error,
     reference_between,
     settle,
@@ -123,7 +123,7 @@ class PotentialField:
         if is_repeated(self._output, setpoint.t, setpoint.names):
             return self._output
         if self._order.reject_stamp(setpoint.t):
-            error = match_rows(self._error, setpoint.names)
+            error = match_error_rows(self._error, setpoint.names)
             return _shifted(
                 setpoint, error, swarm_repulsion(setpoint.pos + error.pos, self.params), self.params
             )
@@ -134,7 +134,7 @@ class PotentialField:
         if before is None or abs(setpoint.t - before.t) > LONGEST_GAP:
             self._error = no_error(setpoint.names)
         else:
-            self._error = match_rows(self._error, setpoint.names)
+            self._error = match_error_rows(self._error, setpoint.names)
             if setpoint.t > before.t:
                 self._error = _advance(self._error, _rows_as(before, setpoint), setpoint, self.params)
         repulsion = swarm_repulsion(setpoint.pos + self._error.pos, self.params)

@@ -34,7 +34,7 @@ def no_error(names: Names) -> SetpointError:
     return SetpointError(names, np.zeros((len(names), 3)), np.zeros((len(names), 3)))
 
 
-def match_rows(error: SetpointError, names: Names) -> SetpointError:
+def match_error_rows(error: SetpointError, names: Names) -> SetpointError:
     """Return the error with the rows of `names`; a new vehicle starts on its reference."""
     if error.names == names:
         return error

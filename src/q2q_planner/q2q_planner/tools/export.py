@@ -38,7 +38,7 @@ def write_samples(path: Path, plan: SwarmPlan) -> None:
     with naming_written(path), path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
-        for t in sample_times(plan.duration):
+        for t in exported_times(plan.duration):
             setpoint = setpoint_at(plan, t)
             for row, name in enumerate(plan.names):
                 moves = (*setpoint.pos[row], *setpoint.vel[row], *setpoint.acc[row])
@@ -46,7 +46,7 @@ def write_samples(path: Path, plan: SwarmPlan) -> None:
                 table.writerow([repr(setpoint.t), name, *(repr(float(number)) for number in numbers)])
 
 
-def sample_times(duration: float) -> list[float]:
+def exported_times(duration: float) -> list[float]:
     """Return the times of the samples [s]: every SAMPLE_STEP, and the end."""
     steps = ceil(duration / SAMPLE_STEP - 1e-6)  # rounding of a duration adds no step
     return [*(step * SAMPLE_STEP for step in range(steps)), duration]

@@ -9,13 +9,13 @@ from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerPa
 def check_drawn(zone: Zone) -> None:
     """Raise ValueError if the replanner of Figs 12 and 13 cannot avoid the zone."""
     try:
-        replanner_params(zone)
+        params_of_zone(zone)
     except OutOfBoundsError as wrong:
         shown = f"Figs 12 and 13 show the safe replanner, whose zone has {wrong.name} = {wrong.rest}"
         raise ValueError(f"--figures: {shown}; change the zone, or leave --figures out") from wrong
 
 
-def replanner_params(zone: Zone) -> SafeReplannerParams:
+def params_of_zone(zone: Zone) -> SafeReplannerParams:
     """Return the parameters of a safe replanner with the zone's radius and half height.
 
     Raises:

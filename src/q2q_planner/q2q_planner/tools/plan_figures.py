@@ -23,7 +23,7 @@ from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.zones.altitude_response import altitude_errors
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
-from q2q_planner.tools.figure_zone import replanner_params
+from q2q_planner.tools.figure_zone import params_of_zone
 
 TICK = 0.02
 """Sampling of curves [s]."""
@@ -61,7 +61,7 @@ def draw_all(
 
 def replan_samples(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
     """Return the plan after the safe replanner, (T, n, 3), with the zone's radius and half height."""
-    replanner = SafeReplanner(replanner_params(zone))
+    replanner = SafeReplanner(params_of_zone(zone))
     return np.stack([replanner.update(setpoint_at(plan, float(at)), None).pos for at in t])
 
 

@@ -100,7 +100,7 @@ class ExtendedKalman:
         only_thrust = flying and not params.all_axes
         f = specific_force_body * UP if only_thrust else specific_force_body
         R, p = matrix_from_quat(self.quat), self.vel_body
-        A = transition(R, p, w)
+        A = kalman_transition(R, p, w)
         self.cov = A @ self.cov @ A.transpose(0, 2, 1)
         step = DT * p + 0.5 * DT * DT * f
         self.pos = self.pos + np.einsum("nij,nj->ni", R, step) - 0.5 * DT * DT * GRAVITY * UP
@@ -171,7 +171,7 @@ def process_noise(params: ExtendedKalmanParams) -> Array:
     return np.diag(NOISE_STEPS * std**2)
 
 
-def transition(R: Array, p: Array, w: Array) -> Array:
+def kalman_transition(R: Array, p: Array, w: Array) -> Array:
     """Return A of a tick, (n, 9, 9), at attitude R (n, 3, 3), velocity p and rate w, body, (n, 3) each."""
     A = np.tile(np.eye(9), (len(R), 1, 1))
     A[:, X, P] = DT * R

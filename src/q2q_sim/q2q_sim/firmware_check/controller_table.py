@@ -22,7 +22,7 @@ from q2q_sim.firmware.firmware_tick import STEPS
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.parameters.parameter_values import Parameters
-from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, numbers
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, row_numbers
 from q2q_sim.plant.body.state_row import POS, QUAT, RATE, STATE_WIDTH, VEL
 
 SETPOINT = (
@@ -68,17 +68,17 @@ def _worst(rows: list[CheckRow], gains: Array) -> tuple[float, float]:
         mix(memory, frame)
         duties = memory[MOTOR_COMMAND : MOTOR_COMMAND + 4].copy()
         cap(duties, 0.0)
-        control = memory[CONTROL : CONTROL + 4] - numbers(row, ("roll", "pitch", "yaw", "thrust"))
-        motors = duties - numbers(row, ("m1", "m2", "m3", "m4"))
+        control = memory[CONTROL : CONTROL + 4] - row_numbers(row, ("roll", "pitch", "yaw", "thrust"))
+        motors = duties - row_numbers(row, ("m1", "m2", "m3", "m4"))
         worst = np.maximum(worst, (np.abs(control).max(), np.abs(motors).max()))
     return float(worst[0]), float(worst[1])
 
 
 def _step(row: CheckRow, gains: Array, memory: Array) -> None:
     state, setpoint = np.zeros(STATE_WIDTH), np.zeros(SETPOINT_WIDTH)
-    state[POS], state[VEL] = numbers(row, ("px", "py", "pz")), numbers(row, ("vx", "vy", "vz"))
-    state[QUAT], state[RATE] = numbers(row, ("qx", "qy", "qz", "qw")), numbers(row, ("p", "q", "r"))
-    setpoint[: SET_BODY + 1] = numbers(row, SETPOINT)
+    state[POS], state[VEL] = row_numbers(row, ("px", "py", "pz")), row_numbers(row, ("vx", "vy", "vz"))
+    state[QUAT], state[RATE] = row_numbers(row, ("qx", "qy", "qz", "qw")), row_numbers(row, ("p", "q", "r"))
+    setpoint[: SET_BODY + 1] = row_numbers(row, SETPOINT)
     if int(row["controller"]) == FirmwareController.MELLINGER:
         mellinger(state, NO_DRIFT, setpoint, gains, memory)
     else:

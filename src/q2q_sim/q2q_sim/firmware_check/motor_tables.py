@@ -9,7 +9,7 @@ from q2q_sim.firmware.controllers.columns import CONTROL, MEMORY_WIDTH, MOTOR_CO
 from q2q_sim.firmware.controllers.mixer import cap, mix
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensate
-from q2q_sim.firmware_check.table_rows import CheckTable, numbers
+from q2q_sim.firmware_check.table_rows import CheckTable, row_numbers
 
 
 class MixerDifference(NamedTuple):
@@ -30,11 +30,11 @@ def compare_mixer(table: CheckTable) -> MixerDifference:
     memory, frame = np.zeros(MEMORY_WIDTH), frame_row(airframe_of(CRAZYFLIE_2_0))
     worst = 0.0
     for row in table:
-        memory[CONTROL : CONTROL + 4] = numbers(row, ("roll", "pitch", "yaw", "thrust"))
+        memory[CONTROL : CONTROL + 4] = row_numbers(row, ("roll", "pitch", "yaw", "thrust"))
         mix(memory, frame)
         duties = memory[MOTOR_COMMAND : MOTOR_COMMAND + 4].copy()
         cap(duties, 0.0)
-        worst = max(worst, float(np.abs(duties - numbers(row, ("m1", "m2", "m3", "m4"))).max()))
+        worst = max(worst, float(np.abs(duties - row_numbers(row, ("m1", "m2", "m3", "m4"))).max()))
     return MixerDifference(worst)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_sim.firmware.commander.setpoint import Setpoint
 from q2q_sim.firmware_check.bench import Bench
-from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, numbers
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, row_numbers
 
 READY_TICKS = 20
 """Ticks until the stock build is ready to fly."""
@@ -43,7 +43,7 @@ def _compare(rows: list[CheckRow]) -> tuple[list[float], int]:
     """Return the largest differences of position, velocity, acceleration, and how many answers differ."""
     start, *rows = rows
     yaw = math.radians(float(start["yaw_deg"]))
-    bench = Bench(np.array([*numbers(start, POS), yaw]), auto_arming=True)
+    bench = Bench(np.array([*row_numbers(start, POS), yaw]), auto_arming=True)
     bench.firmware.parameters.set("supervisor.prefltTimeout", LONGEST_MS)
     for _ in range(READY_TICKS):
         bench.firmware.tick()
@@ -62,4 +62,4 @@ def _compare(rows: list[CheckRow]) -> tuple[list[float], int]:
 
 def _gaps(flown: Setpoint, row: CheckRow) -> list[float]:
     pairs = (flown.pos, POS), (flown.vel, VEL), (flown.acc, ACC)
-    return [float(np.abs(np.array(ours) - numbers(row, theirs)).max()) for ours, theirs in pairs]
+    return [float(np.abs(np.array(ours) - row_numbers(row, theirs)).max()) for ours, theirs in pairs]

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_sim.firmware.firmware import TICK_MS
 from q2q_sim.firmware.supervisor.info import Info
 from q2q_sim.firmware_check.bench import Bench
-from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, numbers
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, row_numbers
 
 ACC = ("accx", "accy", "accz")
 NOT_COMPARED = Info.PLAN_FINISHED
@@ -34,7 +34,7 @@ def _compare(rows: list[CheckRow]) -> tuple[int, int]:
     for row in rows:
         for _ in range(now_ms, int(row["time_ms"]), TICK_MS):
             bench.tick()
-        bench.feel(numbers(row, ACC))
+        bench.feel(row_numbers(row, ACC))
         for packet in filter(None, row["packets"].split("|")):
             bench.handle(bytes.fromhex(packet))
         bench.tick()

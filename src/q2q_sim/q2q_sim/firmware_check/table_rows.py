@@ -17,6 +17,6 @@ def cases(table: CheckTable) -> Iterator[list[CheckRow]]:
         yield list(rows)
 
 
-def numbers(row: CheckRow, columns: Sequence[str]) -> Array:
+def row_numbers(row: CheckRow, columns: Sequence[str]) -> Array:
     """Return columns of a row, (len(columns),)."""
     return np.array([float(row[name]) for name in columns])

@@ -12,7 +12,7 @@ from q2q_sim.launching.launched_nodes import ENDS_ALL
 from q2q_sim.processes.processes import NodeSpec, plain_values
 
 
-def describe(
+def describe_launch(
     arguments: Sequence[Argument],
     nodes: Callable[[Mapping[str, str]], list[NodeSpec]],
     renamed: Mapping[str, str] | None = None,

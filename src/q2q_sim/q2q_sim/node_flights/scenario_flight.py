@@ -25,7 +25,7 @@ MOST_NAMED = 6
 """Vehicles of another simulator that are named."""
 
 
-def fly(
+def fly_through_nodes(
     request: FlightRequest,
     folder: Path,
     bag: Path,

@@ -14,7 +14,7 @@ from q2q_model.vehicle.constants import Vehicle, firmware_of
 from q2q_sim.faults.faults import late_fault_notes
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
-from q2q_sim.node_flights.scenario_flight import MEASURED, fly
+from q2q_sim.node_flights.scenario_flight import MEASURED, fly_through_nodes
 from q2q_sim.node_flights.unfinished_bag import recorder_notes
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.report.run_table import mode_words, run_notes, run_table, run_verdicts
@@ -125,7 +125,7 @@ def fly_with_progress(
         def print_wait(text: str) -> None:
             bar.console.print(f"fly: {request.scenario}: {text}", soft_wrap=True)
 
-        run = fly(request, folder, bag, follow, print_wait)
+        run = fly_through_nodes(request, folder, bag, follow, print_wait)
         bar.update(task, completed=1.0)
     for note in recorder_notes(folder):
         print(note, file=sys.stderr)

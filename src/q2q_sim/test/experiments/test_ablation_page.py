@@ -19,7 +19,7 @@ from q2q_sim.experiments.ablation.ablation_cases import (
     Case,
 )
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers
-from q2q_sim.experiments.ablation.ablation_table import page
+from q2q_sim.experiments.ablation.ablation_table import ablation_page
 from q2q_sim.experiments.ablation.conclusion import (
     best_variant,
     conclusion,
@@ -99,7 +99,7 @@ def test_variants_that_differ_by_one_part_are_all_flown() -> None:
 def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:
     made = numbers_of(ignoring=0.09)
     del made.flights[cell_name(PASSAGE, "on board")]
-    text = page(made, "the command", "images/a.png")
+    text = ablation_page(made, "the command", "images/a.png")
     assert "the command" in text
     assert "1 flight not flown" in text
     assert text.count("\n| MPC + correction |") == len(PATHS) + len(PLANTS) * len(SHOWN)
@@ -151,4 +151,4 @@ def test_a_page_without_flights_replaces_no_other(tmp_path: Path, capsys: pytest
 def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
     shown = (ROOT / "docs" / "ablation.md").read_text(encoding="utf-8")
     command = shown.split("`")[1]
-    assert page(shipped(), command, "images/ablation.png") == shown
+    assert ablation_page(shipped(), command, "images/ablation.png") == shown

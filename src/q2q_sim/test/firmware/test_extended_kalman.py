@@ -17,7 +17,7 @@ from q2q_model.geometry.rotations import (
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import DT, Estimator
-from q2q_sim.firmware.extended_kalman import D, ExtendedKalman, ExtendedKalmanParams, P, X, transition
+from q2q_sim.firmware.extended_kalman import D, ExtendedKalman, ExtendedKalmanParams, P, X, kalman_transition
 
 LEVEL = identity_quat((1,))
 ALL = np.ones(1, dtype=np.bool_)
@@ -40,7 +40,7 @@ def test_the_covariance_moves_by_the_derivative_of_the_motion() -> None:
     h = 1e-6
     columns = [(after(h * one) - after(-h * one)) / (2.0 * h) for one in np.eye(9)]
     np.testing.assert_allclose(
-        transition(matrix_from_quat(quat), p, w)[0], np.stack(columns, axis=1), atol=1e-9
+        kalman_transition(matrix_from_quat(quat), p, w)[0], np.stack(columns, axis=1), atol=1e-9
     )
 
 

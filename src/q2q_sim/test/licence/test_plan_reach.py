@@ -15,7 +15,7 @@ from q2q_sim.firmware.commander.planner import PlanState
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at_rest, piece_between
 from q2q_sim.licence.client_commands.packet_command import client_command
 from q2q_sim.licence.client_commands.plan_extent import plan_extent
-from q2q_sim.licence.client_commands.plan_reach import beyond_reach, reach_violation
+from q2q_sim.licence.client_commands.plan_reach import distance_beyond_reach, reach_violation
 from q2q_sim.licence.crazyflie_py import server_packets
 
 FULL = CRAZYFLIE_2_0.thrust_max / CRAZYFLIE_2_0.mass
@@ -30,10 +30,14 @@ def test_the_reach_is_that_of_full_thrust_up_down_and_aside():
     up, down = 0.5 * (FULL - GRAVITY) * 0.25, 0.5 * (FULL + GRAVITY) * 0.25
     aside = math.sqrt(FULL**2 - GRAVITY**2) * 0.5 * 0.25
     for end in ((0.0, 0.0, up), (0.0, 0.0, -down), (aside, 0.0, 0.0), (0.0, -aside, 0.0)):
-        assert beyond_reach(rest_to_rest(*end, 0.5), 1.0, CRAZYFLIE_2_0) == pytest.approx(0.0, abs=1e-9)
-    beyond = beyond_reach(rest_to_rest(0.0, 0.0, up + 0.2, 0.5), 1.0, CRAZYFLIE_2_0)
+        assert distance_beyond_reach(rest_to_rest(*end, 0.5), 1.0, CRAZYFLIE_2_0) == pytest.approx(
+            0.0, abs=1e-9
+        )
+    beyond = distance_beyond_reach(rest_to_rest(0.0, 0.0, up + 0.2, 0.5), 1.0, CRAZYFLIE_2_0)
     assert beyond == pytest.approx(0.2)
-    assert beyond_reach(rest_to_rest(0.0, 0.0, up + 0.2, 0.25), 2.0, CRAZYFLIE_2_0) == pytest.approx(0.2)
+    assert distance_beyond_reach(rest_to_rest(0.0, 0.0, up + 0.2, 0.25), 2.0, CRAZYFLIE_2_0) == pytest.approx(
+        0.2
+    )
 
 
 def test_initial_speed_extends_the_reach():
@@ -41,9 +45,9 @@ def test_initial_speed_extends_the_reach():
     end = Goal(np.array([1.0, 0.0, 0.0]), np.array([5.0, 0.0, 0.0]), np.zeros(3), 0.0, np.zeros(3))
     piece = piece_between(start, end, 0.2)
     expected = 0.5 * (GRAVITY - FULL) * 0.04  # only the weight is to be carried
-    assert beyond_reach(piece, 1.0, CRAZYFLIE_2_0) == pytest.approx(expected)
+    assert distance_beyond_reach(piece, 1.0, CRAZYFLIE_2_0) == pytest.approx(expected)
     slower = 0.5 * (GRAVITY - FULL) * 0.16
-    assert beyond_reach(piece, 2.0, CRAZYFLIE_2_0) == pytest.approx(slower)
+    assert distance_beyond_reach(piece, 2.0, CRAZYFLIE_2_0) == pytest.approx(slower)
 
 
 def test_a_short_step_a_quick_one_and_a_jump_are_told_apart():

@@ -103,7 +103,7 @@ def _roll_out(problem: LqProblem, work: Workspace, n: int) -> None:
             for i in range(3 * n):
                 u += work.policy[k, c, i] * work.states[k, i]
             work.inputs[k, c] = u
-        next_state(problem, k, work, n)
+        write_next_state(problem, k, work, n)
 
 
 @compiled(**FAST)
@@ -117,11 +117,11 @@ def _roll_out_clipped(problem: LqProblem, work: Workspace) -> None:
                 u += work.policy[k, c, i] * work.states[k, i]
             low, high = input_range(problem, k, c, work.states[k, 3 * c + 2])
             work.inputs[k, c] = min(max(u, low), high)
-        next_state(problem, k, work, n)
+        write_next_state(problem, k, work, n)
 
 
 @compiled(**FAST_HOT)
-def next_state(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
+def write_next_state(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write the state (3n,) after stage k, of its state and inputs (n,) in `work`."""
     before, after, drift = work.states[k], work.states[k + 1], problem.drift[k]
     for c in range(n):

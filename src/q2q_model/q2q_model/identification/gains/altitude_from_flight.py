@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_model.flights.flight import Flight, of_vehicles
+from q2q_model.flights.flight import Flight, flight_of_vehicles
 from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.flights.reference_remarks import reference_remarks
@@ -35,7 +35,7 @@ def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRec
     standing = standing_vehicles(flight)
     if len(standing) == len(flight.names):
         standing = []
-    flown = of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
+    flown = flight_of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
     pieces, holes = pieces_between_holes(flown)
     records, given = zip(*(_record_and_reference(piece, vehicle) for piece in pieces), strict=True)
     stood = [f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"] if standing else []

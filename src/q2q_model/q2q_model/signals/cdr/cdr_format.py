@@ -43,7 +43,7 @@ def header_stamp_ns(data: bytes | bytearray) -> int:
         raise BadMessageError(str(bad)) from bad
 
 
-def frame_of(kind: type) -> str:
+def frame_id_of(kind: type) -> str:
     """Return the frame_id of the messages of a signal."""
     return BODY if kind is SwarmImu else WORLD
 

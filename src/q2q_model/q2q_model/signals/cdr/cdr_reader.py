@@ -14,7 +14,7 @@ from q2q_model.signals.cdr.cdr_format import (
     BadMessageError,
     aligned,
     dtype_of,
-    frame_of,
+    frame_id_of,
     header_stamp_ns,
 )
 from q2q_model.signals.cdr.cdr_head import read_names
@@ -111,7 +111,7 @@ def _refuse(data: bytes | bytearray, known: _Map) -> None:
 
 def _map_of(signal: type, data: bytes | bytearray) -> _Map:
     try:
-        names, at = read_names(data, frame_of(signal))
+        names, at = read_names(data, frame_id_of(signal))
     except struct.error as cut:
         raise BadMessageError(f"message of {len(data)} bytes is truncated: {cut}") from cut
     head = bytes(data[NAMES_AT:at])

@@ -11,7 +11,7 @@ from q2q_model.signals.cdr.cdr_format import (
     START,
     BadMessageError,
     dtype_of,
-    frame_of,
+    frame_id_of,
 )
 from q2q_model.signals.cdr.cdr_head import head_bytes
 from q2q_model.signals.layout import LAYOUTS, Signal
@@ -55,7 +55,7 @@ class _Form:
 
 @lru_cache(maxsize=256)
 def _form(kind: type, names: Names) -> _Form:
-    head = head_bytes(frame_of(kind), names)
+    head = head_bytes(frame_id_of(kind), names)
     at, leads = NAMES_AT + len(head), []
     for column in LAYOUTS[kind].columns:
         count, itemsize = len(names) * column.width, dtype_of(column)().itemsize

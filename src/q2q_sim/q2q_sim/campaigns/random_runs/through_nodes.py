@@ -29,7 +29,7 @@ from q2q_sim.monitors.policies import FlightTrace, Violation, judge, trace_in_lo
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_worker import FlightWorker
-from q2q_sim.node_flights.scenario_flight import fly
+from q2q_sim.node_flights.scenario_flight import fly_through_nodes
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 
 AGREEMENT_M = 1e-9
@@ -99,7 +99,7 @@ class NodeFlights:
     def _through(self, request: FlightRequest, bag: Path) -> None:
         folder = self._folder / "nodes"
         if not request.stack:
-            fly(request, folder, bag, lambda _: None)
+            fly_through_nodes(request, folder, bag, lambda _: None)
         else:
             self._worker.fly(node_specs(load_scenario(request), request, folder, bag), folder)
         if unfinished := why_unfinished(bag, folder):

@@ -49,7 +49,7 @@ broadcasts are lost."""
 UNDER_WORST = "rms error under another vehicle / worst error [mm]"
 
 
-def page(numbers: Numbers, command: str, picture: str) -> str:
+def ablation_page(numbers: Numbers, command: str, picture: str) -> str:
     """Return the page; `picture` is the path of the plot from it."""
     missing = sum(len(NAMES) - len(flown_variants(numbers, case)) for case in CASES)
     rest = f"{counted(missing, 'flight')} not flown: the same command flies the rest." if missing else ""

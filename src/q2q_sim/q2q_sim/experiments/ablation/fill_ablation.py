@@ -15,7 +15,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers
 from q2q_sim.experiments.ablation.ablation_plot import ablation_figure
-from q2q_sim.experiments.ablation.ablation_table import page
+from q2q_sim.experiments.ablation.ablation_table import ablation_page
 from q2q_sim.experiments.ablation.learned_models import models_of
 from q2q_sim.experiments.ablation.variant_flight import VariantFlight, fly_variant
 from q2q_sim.experiments.ablation.variants import NAMES
@@ -43,7 +43,7 @@ def write(numbers: Numbers, out: Path, command: str) -> None:
     picture = Path("images") / f"{out.stem}.png"
     (out.parent / picture.parent).mkdir(parents=True, exist_ok=True)
     ablation_figure(numbers).savefig(out.parent / picture, dpi=DPI)
-    write_text(page(numbers, command, picture.as_posix()), out)
+    write_text(ablation_page(numbers, command, picture.as_posix()), out)
 
 
 def _is_wanted(given: Namespace, case: Case, variant: str) -> bool:

@@ -141,7 +141,7 @@ def loss_without(case: FlightCase, loss: Loss) -> ValueOfCauses:
     return value
 
 
-def half_widths(found: Array, *, exact: bool) -> Array:
+def half_widths_of_shares(found: Array, *, exact: bool) -> Array:
     """Return w of each cause from its shares (draws, orders, causes); `exact` means all orders."""
     draws, orders, causes = found.shape
     none = np.zeros(causes)
@@ -165,7 +165,7 @@ def _all_shares(
 def _split(causes: Sequence[str], found: Array, *, exact: bool) -> tuple[CauseShare, ...]:
     """Return the mean shares with the first seed and their intervals; `exact` means over all orders."""
     means = found.mean(axis=1)  # (draws, causes)
-    wide = half_widths(found, exact=exact)
+    wide = half_widths_of_shares(found, exact=exact)
     split = [
         CauseShare(cause, float(mean), float(mean - one), float(mean + one))
         for cause, mean, one in zip(causes, means[0], wide, strict=True)

@@ -51,7 +51,7 @@ def _behind(plan: Piecewise, here: Array, vehicle: Vehicle) -> float:
     elif plan.backwards:
         behind = []
     else:
-        behind = [beyond_reach(piece, plan.timescale, vehicle) for piece in plan.pieces]
+        behind = [distance_beyond_reach(piece, plan.timescale, vehicle) for piece in plan.pieces]
     return next((one for one in behind if one > BEHIND), 0.0)
 
 
@@ -60,7 +60,7 @@ def _away(plan: Piecewise, here: Array) -> float:
     return float(np.linalg.norm(plan.goal(plan.begin).pos - here))
 
 
-def beyond_reach(piece: Piece, timescale: float, vehicle: Vehicle) -> float:
+def distance_beyond_reach(piece: Piece, timescale: float, vehicle: Vehicle) -> float:
     """Return how far the end of a piece is beyond a vehicle's reach from its start [m]; below 0 within."""
     T = piece.duration * timescale
     if not T > 0.0:

@@ -36,7 +36,7 @@ def run(args: Namespace) -> int:
 
 def pages(nodes: Sequence[NodeInterface]) -> dict[str, str]:
     """Return the text of every page by its file name; `README.md` lists them."""
-    return {f"{node.executable}.md": page(node) for node in nodes} | {"README.md": index(nodes)}
+    return {f"{node.executable}.md": node_page(node) for node in nodes} | {"README.md": index(nodes)}
 
 
 def out_of_date(current: dict[str, str], folder: Path) -> list[str]:
@@ -68,7 +68,7 @@ def index(nodes: Sequence[NodeInterface]) -> str:
     return f"{MADE}\n# Nodes\n\n{table(('node', 'package', 'what it does'), rows)}"
 
 
-def page(node: NodeInterface) -> str:
+def node_page(node: NodeInterface) -> str:
     """Return a node's page."""
     command = f"    ros2 run {node.package} {node.executable}"
     topics = [_port_row(port, when) for port, when in node.ports if port.direction != "serves"]
