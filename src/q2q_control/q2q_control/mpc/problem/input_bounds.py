@@ -34,14 +34,14 @@ def level_bounds(thrust: float) -> tuple[float, float]:
 
 
 @compiled
-def input_bounds(quat: Array, limits: tuple[float, float], kept: Array) -> tuple[Array, Array]:
+def input_bounds(quat: Array, limits: tuple[float, float], reserve: Array) -> tuple[Array, Array]:
     """Return the least input (n, 3) and the largest of each stage (n, N, 3) [m/s^2] at attitudes (n, 4).
 
-    On z, the largest input of a stage is lowered by its reserve `kept` (n, N) [m/s^2], down to the least one.
+    On z, the largest input of a stage is lowered by its `reserve` (n, N) [m/s^2], down to the least one.
     `limits` are the fields of AccelerationLimits.
     """
     most = AccelerationLimits(*limits)
-    n, stages = kept.shape
+    n, stages = reserve.shape
     low, high = np.empty((n, 3)), np.empty((n, stages, 3))
     for v in range(n):
         upright = 1.0 - 2.0 * (quat[v, 0] ** 2 + quat[v, 1] ** 2)
@@ -49,5 +49,5 @@ def input_bounds(quat: Array, limits: tuple[float, float], kept: Array) -> tuple
         low[v, 0], low[v, 1], low[v, 2] = -most.side, -most.side, min(-FALL * GRAVITY, top)
         for k in range(stages):
             high[v, k, 0], high[v, k, 1] = most.side, most.side
-            high[v, k, 2] = max(top - kept[v, k], low[v, 2])
+            high[v, k, 2] = max(top - reserve[v, k], low[v, 2])
     return low, high
