@@ -162,6 +162,8 @@ def _joined(
 def thrust_axes(inputs: Array, trust: Array, loading: float) -> tuple[Array, Array]:
     """Return body z along the thrust, (n, N, 3), and the weight of each source's downwash, (n, N).
 
+    Without thrust, in free fall, body z is level.
+
     Args:
         inputs: acceleration by thrust, less gravity [m/s^2], world, (n, N, 3).
         trust: weight by visibility, (n,).
@@ -173,7 +175,10 @@ def thrust_axes(inputs: Array, trust: Array, loading: float) -> tuple[Array, Arr
         for k in range(stages):
             x, y, z = inputs[i, k, 0], inputs[i, k, 1], inputs[i, k, 2] + GRAVITY
             size = math.sqrt(x * x + y * y + z * z)
-            axis[i, k, 0], axis[i, k, 1], axis[i, k, 2] = x / size, y / size, z / size
+            if size == 0.0:
+                axis[i, k, 0], axis[i, k, 1], axis[i, k, 2] = 0.0, 0.0, 1.0
+            else:
+                axis[i, k, 0], axis[i, k, 1], axis[i, k, 2] = x / size, y / size, z / size
             weight[i, k] = trust[i]
             if loading > 0.0:
                 weight[i, k] *= 1.0 + loading * (size / GRAVITY - 1.0)
