@@ -87,9 +87,8 @@ def write_body_z(state: Array, axis: Array) -> None:
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
     axis[2] = 1.0 - 2.0 * (x * x + y * y)
-    for k in range(3):
-        if not math.isfinite(axis[k]):
-            axis[k] = 1.0 if k == 2 else 0.0
+    if not (math.isfinite(axis[0]) and math.isfinite(axis[1]) and math.isfinite(axis[2])):
+        axis[0], axis[1], axis[2] = 0.0, 0.0, 1.0
 
 
 @compiled
