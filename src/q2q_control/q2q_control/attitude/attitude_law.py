@@ -11,8 +11,8 @@ vehicles of any inertia respond alike:
 
 With T the rotors' lag the loop is exactly phi / phi_d = w_n^2 / ((s^2 + 2 zeta w_n s + w_n^2)(T s + 1));
 without lead a lag of 0.07 s leaves w_n = 15 rad/s almost undamped. U2 and U3 of the paper are forces at
-the arm l, here all three are torques; its b3 = l/Izz is 1/Izz for a torque. b1 = l/Ixx and a1..a5 follow
-from the inertia.
+the arm l, with b1 = l/Ixx and b2 = l/Iyy; here all three inputs are torques, and b1, b2, b3 are 1/Ixx, 1/Iyy,
+1/Izz (the paper's b3 = l/Izz would hold for a force). The coefficients a1 to a5 are given by the inertia.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

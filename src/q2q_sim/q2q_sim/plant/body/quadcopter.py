@@ -6,7 +6,7 @@ rotors, whose signed sum of speeds Omega_r is near 0:
     v'  = -g e_z + T / m R(q) e_z + eta + a_air        T = f1 + f2 + f3 + f4
     I w' = tau + tau_air - w x (I w)                   tau from the rotors (q2q_control.attitude.allocation)
     q'  = q (w, 0) / 2
-    f'  = (k f_g - f) / T_lag                          f_c: attitude law, then allocation, every step
+    f'  = (k f_g - f) / T_lag                          f_g from f_c, every step
 
 One step of h: the rotor lag is exact for a constant command; v uses T of the new rotors and R of the old
 attitude; position advances by the mean of old and new velocity, which is exact for constant acceleration;
@@ -17,6 +17,7 @@ the firmware.
 | symbol | name | meaning [unit] |
 |---|---|---|
 | f | rotors | thrust of each rotor [N] |
+| f_c | | thrusts that attitude law and allocation command of the rotors [N] |
 | f_g | | of f_c what rotors of limits f_max give together (rotors.py) [N] |
 | f_max | rotor_max | largest thrust of a rotor [N] |
 | k | gain | thrust over commanded thrust of a rotor: battery, wear [-] |
