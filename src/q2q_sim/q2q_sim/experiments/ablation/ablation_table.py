@@ -28,24 +28,33 @@ from q2q_sim.report.significant_digits import MM
 
 READING = """\
 All vehicles are Crazyflies in the room `real` (26 ms of delay, noise, losses, outliers; accelerometers with
-0.2 m/s² of noise) with K_p 10 and K_d 5, as `table6_room` is flown with `--air`. What each controller knows:
-`q2q_sim.experiments.ablation.variants`. *Under* is the rms height error of vehicles under another and for
-1 s after, *clear* that of the same flight's vehicles under no other for 3 s, *worst* the largest height error
-under another (`q2q_sim.monitors.metrics.exposure`); *gain* is ignoring's worst error over the own. Values are
-medians over draws, each with its own noise, losses, gusts, turbulence and vehicles. A dash: not flown.
+0.2 m/s² of noise) with K_p 10 and K_d 5, as `table6_room` is flown with `--air`.
+`q2q_sim.experiments.ablation.variants` lists what each controller knows; *ignoring* is the controller without
+any compensation of the downwash.
 
-**Models and air share no flight.** In `room` and `recorded`, learned from the flights dc21, the models are
-learned from dc19; in `ring`, `heavy_tailed`, `bent` and `meandering`, of other forms than the models and as
-strong as a law fitted to dc19, from dc21. `paper` is the exception: the controllers know its law, and it is
-not judged.
+| column | meaning (`q2q_sim.monitors.metrics.exposure`) |
+| --- | --- |
+| under | rms height error of vehicles under another and for 1 s after |
+| clear | rms height error in the same flight of vehicles under no other for 3 s |
+| worst | largest height error under another |
+| gain | worst error of *ignoring* over that of the controller |
+
+Values are medians over draws, each with its own noise, losses, gusts, turbulence and vehicles. A dash means
+that the flight was not made.
+
+**Interaction models and air models share no flight.** For the airs `room` and `recorded`, learned from the
+flights dc21, the controllers' models are learned from dc19. `ring`, `heavy_tailed`, `bent` and `meandering`
+have other forms than the controllers' models, and the strength of a law fitted to dc19; for them the models
+are learned from dc21. `paper` is the exception: the controllers know its law, and it is not judged.
 
 **Thrust.** The vehicles have the thrust of the firmware of the recorded flights (`stock_2025_02`: 0.59 N,
-1.76 times the weight; recorded are 1.81 and 1.95). An RPYT setpoint, which is what the ground sends, carries
-1.62 times the weight. Firmware from 2025.12 on gives 1.44 and 1.32 times: [what that costs](correction.md).
+1.76 times the weight; recorded are 1.81 and 1.95). An RPYT setpoint, as an offboard controller sends it, can
+demand 1.62 times the weight. With firmware from 2025.12 on these ratios are 1.44 and 1.32;
+[Correction](correction.md) has the effect.
 
-**On board.** *Mellinger* is the vehicle's own controller with its stock gains on full states that ignore the
-downwash, *on board* the same with the [app](onboard.md). Its estimate of its own motion is exact; 20 % of the
-broadcasts are lost."""
+**Onboard controllers.** *Mellinger* is the vehicle's own controller with its stock gains, on full states
+without compensation; *on board* is the same with the [app](onboard.md). The estimate of its own motion is
+exact; 20 % of the broadcasts are lost."""
 UNDER_WORST = "rms error under another vehicle / worst error [mm]"
 
 
@@ -58,10 +67,10 @@ def ablation_page(numbers: Numbers, command: str, picture: str) -> str:
         f"Made by `{command}`; do not edit.",
         rest,
         conclusion(numbers),
-        f"![Worst height error of each controller in each air]({picture})",
-        "## Best controller in each air",
+        f"![Worst height error of each controller in each air model]({picture})",
+        "## Best controller in each air model",
         _best(numbers),
-        "## How to read it",
+        "## Conditions and definitions",
         READING,
         *(_overview(numbers, name) for name in PATHS),
         "## Intervals",
@@ -76,7 +85,7 @@ def ablation_page(numbers: Numbers, command: str, picture: str) -> str:
 def _resampling(numbers: Numbers) -> str:
     return (
         f"Median with 95 % interval over {numbers.draws} draws with each of five models, each learned from a "
-        "part of a flight: models are resampled, and draws within each."
+        "part of a flight. The bootstrap resamples models, and draws within each."
     )
 
 

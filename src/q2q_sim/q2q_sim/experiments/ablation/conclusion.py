@@ -1,8 +1,8 @@
-"""Conclusion of the ablation in three sentences, made from its numbers.
+"""Conclusion of the ablation, made from its numbers.
 
-The first names the best controllers and what they reach; the second what each part is worth; the third how
-often the targets are met, and what is worse than ignoring, on all paths. All ratios are of the same draw, and
-ranges are those of the medians in air that is not of the models' family.
+A list names the best controllers, the errors that they reach, how often they meet the targets, and which
+controllers are worse than ignoring, on all paths. A table has the effect of each part of a controller. All
+ratios are of the same draw, and ranges are those of the medians in air that is not of the models' family.
 """
 
 from collections import Counter
@@ -17,20 +17,24 @@ from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
 from q2q_sim.experiments.ablation.variant_flight import COLUMNS
 from q2q_sim.experiments.ablation.variants import NAMES, TWINS
+from q2q_sim.report.markdown_table import markdown_table
 from q2q_sim.report.significant_digits import MM, significant_digits
 
 UNDER_CLEAR, GAIN, UNDER_MM, WORST_MM = 2.0, 6.0, 12.0, 40.0
 """Targets: rms under another vehicle over that in clear air, worst error of ignoring over the own, rms and
 worst error under another vehicle [mm]."""
+PARTS = """\
+Effect of each part of a controller: worst error with it over that of the same controller without it, median
+over the pairs and range."""
 
 
 def conclusion(numbers: Numbers) -> str:
-    """Return three sentences, one a line, on the cases that are flown whole; empty if none is."""
+    """Return a list and a table on the cases that are flown whole; empty if none is."""
     cases = [case for case in judged_cases() if is_whole(numbers, case)]
     if not cases:
         return ""
-    sentences = (_reached(numbers, cases), _parts(numbers, cases), _missed(numbers, cases))
-    return "\n".join(f"- {sentence}" for sentence in sentences)
+    items = (_best(numbers, cases), _reached(numbers, cases), _missed(numbers, cases), _worse(numbers))
+    return "\n".join(f"- {one}" for one in items) + f"\n\n{PARTS}\n\n{_parts(numbers, cases)}"
 
 
 def judged_cases() -> list[Case]:
@@ -107,54 +111,56 @@ def median_worst(numbers: Numbers, case: Case, variant: str) -> float:
     return float(np.median(column(numbers, case, variant, "worst")))
 
 
-def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
+def _best(numbers: Numbers, cases: Sequence[Case]) -> str:
     best = Counter(best_variant(numbers, case) for case in cases).most_common()
+    others = f" (in the others {', '.join(name for name, _ in best[1:])})" if best[1:] else ""
+    return (
+        f"**{best[0][0]}** is the best controller in {best[0][1]} of {len(cases)} pairs of paths and "
+        f"air model{others}. The best one misses the fewest targets and, among equals, has the smallest "
+        "worst error."
+    )
+
+
+def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
     parts = []
     for name in SHOWN:
         own = [case for case in cases if case.name == name]
         if own:
             worst = _span([MM * median_worst(numbers, one, best_variant(numbers, one)) for one in own])
             ignored = _span([MM * median_worst(numbers, one, "ignoring") for one in own])
-            parts.append(f"{worst} mm in `{name}` (ignoring {ignored} mm)")
-    others = f" (in the others {', '.join(name for name, _ in best[1:])})" if best[1:] else ""
-    rule = "fewest targets missed, of those the least worst error"
-    return (
-        f"**{best[0][0]}** is best ({rule}) in {best[0][1]} of {len(cases)} pairs of paths and air{others}; "
-        f"the best of each has a worst height error under another vehicle of {'; '.join(parts)}."
-    )
+            parts.append(f"{worst} mm in `{name}` (*ignoring*: {ignored} mm)")
+    return f"Its worst height error under another vehicle is {' and '.join(parts)}."
 
 
 def _parts(numbers: Numbers, cases: Sequence[Case]) -> str:
-    parts = []
+    rows = []
     for one, without in TWINS:
         both = [case for case in cases if {one, without} <= set(flown_variants(numbers, case))]
         times = [median_ratio(numbers, case, (one, without), "worst").middle for case in both]
-        if not times:
-            continue
-        parts.append(f"{one} {np.median(times):.2f} ({min(times):.2f} to {max(times):.2f}) times {without}'s")
-    return f"The worst error, against that of the same controller without one part, is {', '.join(parts)}."
+        if times:
+            rows.append([one, without, f"{np.median(times):.2f} ({min(times):.2f} to {max(times):.2f})"])
+    return markdown_table(["controller", "compared with", "ratio of worst errors"], rows, 2)
 
 
 def _missed(numbers: Numbers, cases: Sequence[Case]) -> str:
     missed = {case: missed_targets(numbers, case, best_variant(numbers, case)) for case in cases}
     met = sum(not one for one in missed.values())
-    said = (
-        f"The best controller meets all targets (under / clear at most {UNDER_CLEAR:g}, worst "
-        f"error {GAIN:g} times smaller than ignoring's, {UNDER_MM:g} mm rms, {WORST_MM:g} mm worst) in "
-        f"{met} of {len(cases)}"
+    return (
+        f"It meets all targets in {met} of {len(cases)} pairs: under / clear at most {UNDER_CLEAR:g}, a "
+        f"worst error {GAIN:g} times smaller than that of *ignoring*, {UNDER_MM:g} mm rms, {WORST_MM:g} mm "
+        "worst."
     )
-    return f"{said}; {_worse(numbers)}."
 
 
 def _worse(numbers: Numbers) -> str:
     """Return which controllers are worse than ignoring, on all paths that are flown whole."""
     cases = [case for name in PATHS for plant in JUDGED if is_whole(numbers, case := Case(name, plant))]
     worse = [(name, case) for case in cases for name in worse_than_ignoring(numbers, case)]
-    where = f"on all paths, in {counted(len(cases), 'pair')},"
+    where = f"On all paths ({counted(len(cases), 'pair')})"
     if not worse:
-        return f"{where} no controller is worse than ignoring under another vehicle"
+        return f"{where} no controller has a larger rms error under another vehicle than *ignoring*."
     found = "; ".join(f"{name} in {case.title} ({_times(numbers, case, name)})" for name, case in worse)
-    return f"{where} worse than ignoring in rms error under another vehicle are {found}"
+    return f"{where} these have a larger rms error under another vehicle than *ignoring*: {found}."
 
 
 def _times(numbers: Numbers, case: Case, name: str) -> str:

@@ -12,14 +12,18 @@ from q2q_sim.report.significant_digits import MM
 MORE = 1.05
 """Largest error over that of ignoring that counts as not worse [-]."""
 READING = """\
-Rms height error under another vehicle [mm], and how many times it is that of the same controller ignoring
-the downwash, in the same room with the same noise; **bold** where it is more than 1.05 times. Model:
+Cells: rms height error under another vehicle [mm], and in brackets its ratio to that of the same controller
+without compensation, in the same room with the same noise. A ratio above 1.05 is **bold**. Model:
 `measured_law` (in air `paper`: `paper_law`), changed as in the row; other changes are unknown to the
-controller. Thrust is that of the stock firmware, 1.32 times the weight for a command from the ground. Paths
-are flown in half the time of the scenario. *left* is the largest rms height error over the air models in the
-last 2 s, 2 s or more after the last passage [mm], and that of ignoring: there, wind-up or a limit cycle
-would show. *Floor*: no vehicle is left under another, as thrust does not carry them; in bold if it does
-where the downwash is ignored."""
+controller. Thrust is that of the stock firmware, 1.32 times the weight for an offboard command. Paths are
+flown in half the time of the scenario.
+
+- *residual error*: largest rms height error over the air models in the last 2 s, at least 2 s after the last
+  passage [mm], with and without compensation. It shows wind-up and limit cycles.
+- *floor*: thrust does not carry the vehicles, so none is left under another. In bold if thrust carries them
+  without compensation.
+
+Flights per cell:"""
 
 
 def flight_key(asked: PerturbedFlight) -> str:
@@ -39,7 +43,7 @@ def ignoring_flight(asked: PerturbedFlight) -> PerturbedFlight:
 def page(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight], command: str) -> str:
     """Return the page of the corrected `flights` whose errors, and those of ignoring, are in `found`."""
     draws = flights[0].draws
-    parts = ["# Robustness", f"Made by `{command}`; do not edit.", f"{READING} {draws} draws in each flight."]
+    parts = ["# Robustness", f"Made by `{command}`; do not edit.", f"{READING} {draws} draws."]
     for controller in dict.fromkeys(one.controller for one in flights):
         own = [one for one in flights if one.controller == controller]
         parts += [f"## `{controller}` with `correct`", _table(found, own), _verdict(found, own)]
@@ -53,7 +57,7 @@ def _table(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) -> s
         cells = {one.air: one for one in flights if one.perturbation == wanted}
         if cells:
             rows.append(_row(found, airs, cells))
-    return markdown_table(["perturbation", *airs, "left"], rows, 1)
+    return markdown_table(["perturbation", *airs, "residual error"], rows, 1)
 
 
 def _row(found: Mapping[str, Errors], airs: Sequence[str], cells: Mapping[str, PerturbedFlight]) -> list[str]:
@@ -86,4 +90,6 @@ def _verdict(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) ->
         for one in flights
         if _is_worse(found[flight_key(one)], found[flight_key(ignoring_flight(one))])
     ]
-    return f"Worse than ignoring: {', '.join(worse)}." if worse else "Never worse than ignoring."
+    if worse:
+        return f"Worse than without compensation: {', '.join(worse)}."
+    return "Never worse than without compensation."
