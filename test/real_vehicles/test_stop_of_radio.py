@@ -16,7 +16,7 @@ STOPPED = Reply(granted=True, reason="motors stopped; restart the vehicles")
 def test_a_dry_run_answers_that_nothing_is_sent(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     flown = by_radio(monkeypatch, dry_run=True)
     reply = flown.room.call(name)
-    assert reply.reason.startswith("dry run, nothing is sent; ")
+    assert reply.reason.startswith("dry run, not executed; ")
     assert not any(link.health().locked for link in flown.links.values())
 
 

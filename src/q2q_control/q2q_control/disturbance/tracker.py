@@ -45,12 +45,22 @@ class TrackerParams:
         LATENCY_S, "delay from the stamp of a tick to the effect of its command", unit="s", low=0.0, high=0.3
     )
     state_bandwidth: float = tunable(
-        20.0, "bandwidth of estimated position and velocity", unit="rad/s", low=0.1, high=100.0
+        20.0,
+        "bandwidth of the estimates of position and velocity; larger values follow measurements faster",
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
     )
     observer_bandwidth: float = tunable(
-        6.0, "bandwidth of the estimated disturbance", unit="rad/s", low=0.01, high=50.0
+        6.0,
+        "bandwidth of the disturbance estimate; larger values follow changes faster, and pass more noise",
+        unit="rad/s",
+        low=0.01,
+        high=50.0,
     )
-    disturbance_max: float = tunable(3.0, "largest estimated disturbance", unit="m/s^2", low=0.0, high=9.81)
+    disturbance_max: float = tunable(
+        3.0, "limit of the estimated disturbance", unit="m/s^2", low=0.0, high=9.81
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""

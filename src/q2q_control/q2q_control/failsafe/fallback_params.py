@@ -14,34 +14,52 @@ stamps are known to be of a clock that was set back."""
 class FallbackParams:
     """Ages at which the fallback phases change."""
 
-    degraded_after_s: float = tunable(
-        0.05, "age from which a state counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
-    )
-    hold_after_s: float = tunable(
-        0.03, "live: time without a tick until the last command is repeated", unit="s", low=0.0, high=1.0,
-        read_only=True,
-    )  # fmt: skip
-    level_after_s: float = tunable(
-        LONGEST_HOLD_S,
-        "live: time without a tick until vehicles hover level",
+    degraded_s: float = tunable(
+        0.05,
+        "age from which a state counts as predicted (DEGRADED)",
         unit="s",
         low=0.0,
         high=1.0,
         read_only=True,
     )
-    land_after_s: float = tunable(
-        1.0, "age of its state from which a vehicle is landed", unit="s", low=0.1, high=60.0, read_only=True
+    hold_s: float = tunable(
+        0.03,
+        "live: time without a tick after which the last command is repeated (HOLD)",
+        unit="s",
+        low=0.0,
+        high=1.0,
+        read_only=True,
+    )
+    level_s: float = tunable(
+        LONGEST_HOLD_S,
+        "live: time without a tick after which vehicles brake, then hover level (LEVEL)",
+        unit="s",
+        low=0.0,
+        high=1.0,
+        read_only=True,
+    )
+    land_s: float = tunable(
+        1.0,
+        "age of a vehicle's state from which it is landed without measurements (LAND)",
+        unit="s",
+        low=0.1,
+        high=60.0,
+        read_only=True,
     )
     cut_after_s: float = tunable(
         5.0,
-        "age of its state from which a vehicle's motors are off, until a new flight",
+        "age of a vehicle's state from which its motors are off, until a new flight (CUT)",
         unit="s",
         low=0.1,
         high=120.0,
         read_only=True,
     )
     land_share: float = tunable(
-        0.94, "share of hover thrust in a landing without measurements", low=0.5, high=1.0, read_only=True
+        0.94,
+        "thrust of a landing without measurements, as a fraction of hover thrust",
+        low=0.5,
+        high=1.0,
+        read_only=True,
     )
 
     def __post_init__(self) -> None:
@@ -49,7 +67,6 @@ class FallbackParams:
         check_bounds(self)
         if not self.hold_after_s <= self.level_after_s <= self.land_after_s <= self.cut_after_s:
             raise ValueError(
-                f"hold_after_s {self.hold_after_s}, level_after_s {self.level_after_s}, "
-                f"land_after_s {self.land_after_s}, cut_after_s {self.cut_after_s}: "
-                "these must rise"
+                f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
+                "hold_s <= level_s <= land_s <= cut_s is required"
             )

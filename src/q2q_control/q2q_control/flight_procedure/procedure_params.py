@@ -4,7 +4,11 @@ from dataclasses import dataclass
 
 from q2q_model.tunable import check_bounds, tunable
 
-DRY_RUN = "check and log what would be sent; send nothing"
+DRY_RUN = (
+    "check and log calls without executing them: no arming, take-off, setpoint, landing or emergency stop; "
+    "poses and firmware parameters are sent"
+)
+"""Description of the parameter and of `--dry-run`."""
 ROUNDING = 1e-9
 """Rounding of a difference of heights [m]."""
 FULL_STATE_RANGE = 32.767
@@ -15,10 +19,22 @@ FULL_STATE_RANGE = 32.767
 class LandingParams:
     """Age at which a state is stale, and duration of a landing."""
 
-    stale_s: float = tunable(0.1, "age from which a vehicle's state is stale", unit="s", low=0.01, high=2.0)
-    landing_duration_min: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
+    stale_s: float = tunable(
+        0.1,
+        "age from which a vehicle's state is stale, and a take-off is refused",
+        unit="s",
+        low=0.01,
+        high=2.0,
+    )
+    land_s: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
     # a landing's polynomial peaks at 2.19 times its mean; the firmware's PID descends at 1 m/s at most
-    land_speed: float = tunable(0.4, "largest mean speed of a landing", unit="m/s", low=0.05, high=5.0)
+    land_speed: float = tunable(
+        0.4,
+        "largest mean speed of a landing, which lasts longer than land_s from greater heights",
+        unit="m/s",
+        low=0.05,
+        high=5.0,
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -35,72 +51,88 @@ class FlightProcedureParams:
 
     dry_run: bool = tunable(default=False, description=DRY_RUN)
     take_off_height: float = tunable(
-        0.5, "final height of a take-off above the ground", unit="m", low=0.1, high=5.0
+        0.5, "height above the ground at the end of a take-off", unit="m", low=0.1, high=5.0
     )
     take_off_s: float = tunable(2.0, "duration of a take-off", unit="s", low=0.5, high=60.0)
     land_home: bool = tunable(
-        default=True, description="transit to the plan's first points before a landing from a hold"
+        default=True, description="transit (glide) to the plan's first points before a landing from a hold"
     )
     start_tolerance: float = tunable(
-        0.3, "largest distance of a vehicle from its start point at a take-off", unit="m", low=0.01, high=5.0
+        0.3,
+        "largest horizontal distance of a vehicle from its first point at a take-off",
+        unit="m",
+        low=0.01,
+        high=5.0,
     )
     horizontal_separation_min: float = tunable(
-        0.3, "minimum horizontal distance of two vehicles", unit="m", low=0.0, high=5.0
+        0.3, "smallest horizontal distance between vehicles at a take-off", unit="m", low=0.0, high=5.0
     )
     room: tuple[float, ...] = tunable(
-        (-3.0, -3.0, 0.0, 3.0, 3.0, 3.0), "lowest x, y, z, then highest x, y, z of the room", unit="m"
+        (-3.0, -3.0, 0.0, 3.0, 3.0, 3.0),
+        "volume that plans must not leave: lowest x, y, z, then highest x, y, z",
+        unit="m",
     )
-    ground_height: float = tunable(0.0, "height of a vehicle on the ground", unit="m", low=-5.0, high=5.0)
+    ground_height: float = tunable(
+        0.0, "height of a vehicle that stands on the ground", unit="m", low=-5.0, high=5.0
+    )
     near_ground: float = tunable(
         0.1,
-        "height below which a vehicle at rest is on the ground; at least six times the noise of motion "
-        "capture",
+        "height above ground_height below which a vehicle at rest is on the ground; at least six "
+        "times the noise of motion capture",
         unit="m",
         low=0.03,
         high=0.5,
     )
     still_speed: float = tunable(
         0.1,
-        "speed below which a vehicle stands still; in the air a vehicle is at rest below 2.5 times this, "
-        "within this times settle_s of one place",
+        "largest speed of a vehicle that stands still on the ground; in the air, a vehicle is at rest"
+        " below 2.5 times this speed, and within this speed times settle_s of one place",
         unit="m/s",
         low=0.005,
         high=1.0,
     )
     goal_tolerance: float = tunable(
-        0.15, "distance at which a vehicle has reached its setpoint", unit="m", low=0.01, high=1.0
+        0.15, "largest distance from its target at which a vehicle has arrived", unit="m", low=0.01, high=1.0
     )
     settle_s: float = tunable(
         1.0,  # a vehicle that swings about its point is slow for 0.5 s where it turns
-        "time that each vehicle must have rested for a step to be completed",
+        "time for which each vehicle must be at rest before a step is complete",
         unit="s",
         low=0.5,
         high=10.0,
     )
     step_timeout_s: float = tunable(
-        5.0, "time beyond the duration of a step after which it has failed", unit="s", low=0.1, high=60.0
+        5.0, "time after the planned end of a step at which the step has failed", unit="s", low=0.1, high=60.0
     )
     voltage_start: float = tunable(
-        3.6, "minimum battery voltage for a take-off; 0 disables the check", unit="V", low=0.0, high=20.0
+        3.6, "smallest battery voltage for a take-off; 0 disables the check", unit="V", low=0.0, high=20.0
     )
     estimator_error: float = tunable(
         0.1,
-        "largest distance of a vehicle's onboard position estimate from its state",
+        "largest distance between a vehicle's onboard position estimate and its state at a take-off",
         unit="m",
         low=0.001,
         high=5.0,
     )
     hover_mismatch: float = tunable(
-        0.15, "largest relative mismatch of the hover thrust sent and the vehicle's own", low=0.01, high=1.0
+        0.15,
+        "largest relative difference between the hover thrust computed from `vehicle` and `firmware` "
+        "and that of the vehicle's own parameters",
+        low=0.01,
+        high=1.0,
     )
     setpoint_step_max: float = tunable(
-        0.3, "largest move of a setpoint in one tick", unit="m", low=0.01, high=5.0
+        0.3,
+        "largest change of a setpoint in one tick; after a larger one all vehicles land",
+        unit="m",
+        low=0.01,
+        high=5.0,
     )
     # the firmware levels after 0.5 s and cuts after 2 s (COMMANDER_WDT_TIMEOUT_STABILIZE, _SHUTDOWN): half is
     # left for the services that stop the stream and land
     setpoint_timeout_s: float = tunable(
         1.0,
-        "time without a setpoint in flight, or with crazyswarm without one sent, after which all land",
+        "time in flight without a setpoint (crazyswarm: without one sent) after which all vehicles land",
         unit="s",
         low=0.1,
         high=60.0,

@@ -18,42 +18,51 @@ class PidParams:
         0.42952, "gain from climb rate error to acceleration", unit="1/s", low=0.0, high=50.0
     )
     k_i_z: float = tunable(
-        0.0, "gain from altitude error integral to acceleration", unit="1/s^3", low=0.0, high=100.0
+        0.0, "gain from the integral of the altitude error to acceleration", unit="1/s^3", low=0.0, high=100.0
     )
     k_p_xy: float = tunable(
         4.0, "gain from position error to acceleration", unit="1/s^2", low=0.0, high=200.0
     )
     k_d_xy: float = tunable(3.6, "gain from velocity error to acceleration", unit="1/s", low=0.0, high=50.0)
     k_i_xy: float = tunable(
-        0.0, "gain from position error integral to acceleration", unit="1/s^3", low=0.0, high=100.0
+        0.0, "gain from the integral of the position error to acceleration", unit="1/s^3", low=0.0, high=100.0
     )
     k_yaw: float = tunable(2.0, "gain from yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     integral_max: float = tunable(
-        2.0, "largest integral action on each axis", unit="m/s^2", low=0.0, high=9.81
+        2.0, "largest acceleration by the integral term on each axis", unit="m/s^2", low=0.0, high=9.81
     )
     speed_max: float = tunable(
-        2.0, "largest speed of a return to the setpoint, relative to it", unit="m/s", low=0.1, high=20.0
+        2.0,
+        "largest speed, relative to the setpoint, at which a vehicle returns to its setpoint",
+        unit="m/s",
+        low=0.1,
+        high=20.0,
     )
     thrust_limited: bool = tunable(
         default=False, description="keep thrust U1 within thrust_max (section 5.1 of the paper)"
     )
     thrust_max: float = tunable(
         6.6,
-        "bound on thrust U1 if thrust_limited is set; the paper's, for 0.65 kg",
+        "upper limit of thrust U1 if thrust_limited is true; the default is the paper's, for 0.65 kg",
         unit="N",
         low=0.0,
         high=100.0,
     )
-    tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
+    tilt_max: float = tunable(
+        TILT_MAX, "largest angle between thrust and vertical", unit="rad", low=0.01, high=1.2
+    )
     yaw_rate_max: float = tunable(
         YAW_RATE_MAX, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0
     )
     exact_inverse: bool = tunable(
-        default=False, description="compute the attitude exactly instead of for small angles"
+        default=False,
+        description=(
+            "compute the attitude from the demanded acceleration exactly, instead of for small angles"
+        ),
     )
     stale_fade: float = tunable(
         0.5,
-        "time constant by which the downwash of an unmeasured source decays",
+        "time constant with which the predicted downwash decays while its source is not tracked",
         unit="s",
         low=0.01,
         high=100.0,
@@ -61,7 +70,7 @@ class PidParams:
     )
     hold_duration: float = tunable(
         LONGEST_HOLD_S,
-        "time for which a vehicle without a state keeps its last command",
+        "time for which the last command is repeated for a vehicle without a usable state",
         unit="s",
         low=0.0,
         high=1.0,

@@ -12,30 +12,41 @@ class RadioNodeParams:
 
     crazyflies: str = tunable(
         "",
-        "crazyflies.yaml of Crazyswarm2, whose firmware_params are set, too; empty: `vehicles` and `uris`",
+        "crazyflies.yaml of Crazyswarm2: vehicles, URIs and firmware_params; empty: `vehicles` and "
+        "`uris` are used",
         read_only=True,
     )
     vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
     uris: tuple[str, ...] = tunable((), "URIs of the vehicles, in the order of `vehicles`", read_only=True)
     mode: str = tunable(
         "command",
-        "packets sent: attitude and thrust (command), or full states (setpoint)",
+        "setpoints sent to the vehicles: attitude and thrust (command), or full states (setpoint)",
         choices=("command", "setpoint"),
         read_only=True,
     )
-    aware: bool = tunable(True, "compensate the predicted downwash in full states", read_only=True)  # noqa: FBT003
-    places: bool = tunable(True, "send vehicles their poses from `state`", read_only=True)  # noqa: FBT003
-    vehicle: str = tunable("crazyflie_2_0", "vehicle whose constants convert newtons to PWM", read_only=True)
+    aware: bool = tunable(True, "with mode setpoint: compensate the predicted downwash", read_only=True)  # noqa: FBT003
+    places: bool = tunable(
+        default=True,
+        description="send vehicles their poses, as measured by motion capture (from `state`)",
+        read_only=True,
+    )
+    vehicle: str = tunable(
+        "crazyflie_2_0", "vehicle type, whose constants convert newtons to PWM", read_only=True
+    )
     firmware: str = tunable(
-        STOCK, "firmware of the vehicles, which sets thrust per PWM", choices=FIRMWARES, read_only=True
+        STOCK, "firmware of the vehicles, which determines thrust per PWM", choices=FIRMWARES, read_only=True
     )
     firmware_params: tuple[str, ...] = tunable(
         (),
-        "firmware parameters to set once connected, each `group.name=value`; they override `crazyflies`",
+        "firmware parameters to set on each vehicle once connected, each `group.name=value`; they "
+        "override those of `crazyflies`",
         read_only=True,
     )
     toc_cache: str = tunable(
-        "", "folder for the vehicles' tables of contents, which shorten later connections", read_only=True
+        "",
+        "folder in which the vehicles' tables of contents are stored, to shorten later connections; "
+        "empty: not stored",
+        read_only=True,
     )
     pose_hz: float = tunable(
         10.0,

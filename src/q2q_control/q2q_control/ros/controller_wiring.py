@@ -37,25 +37,29 @@ from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 class ControllerNodeParams:
     """Parameters of a controller node, without the controller's."""
 
-    vehicle: str = tunable("crazyflie_2_0", "vehicle whose constants are used", read_only=True)
+    vehicle: str = tunable(
+        "crazyflie_2_0", "vehicle type, whose constants the controller uses", read_only=True
+    )
     firmware: str = tunable(
-        STOCK, "firmware of the vehicles, which sets thrust per PWM", choices=FIRMWARES, read_only=True
+        STOCK, "firmware of the vehicles, which determines thrust per PWM", choices=FIRMWARES, read_only=True
     )
     vehicles: tuple[str, ...] = tunable(
-        (), "vehicles to command; empty: all in the setpoints", read_only=True
+        (), "names of the vehicles to command; empty: all in the setpoints", read_only=True
     )
     aware: bool = tunable(default=True, description="compensate the predicted downwash", read_only=True)
     correct: bool = tunable(
         default=False,
-        description="correct the predicted downwash by positions and by accelerometers (topic imu)",
+        description=("correct the predicted downwash by measured positions and accelerometers (topic imu)"),
         read_only=True,
     )
     live: bool = tunable(
-        default=False, description="monitor the wall clock and fall back if a tick is missing", read_only=True
+        default=False,
+        description="monitor the wall clock, and fall back if a tick does not arrive in time",
+        read_only=True,
     )
     legacy_hz: float = tunable(
         10.0,
-        "largest rate of <name>/cmd_vel_legacy, with the signs of Crazyswarm2's cpp server; 0: not published",
+        "largest rate of <name>/cmd_vel_legacy, with the signs of Crazyswarm2's server cpp; 0: not published",
         unit="Hz",
         low=0.0,
         high=1000.0,

@@ -1,6 +1,6 @@
-"""MPC node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out.
+"""MPC node: `state`, `reference_safe`, `interference` (if aware), latched `plan` in, `command` out.
 
-Distributed, one node for each vehicle, it also exchanges `predictions` with the others.
+With `distributed:=true`, one node controls one vehicle or some, and exchanges `predictions` with the others.
 """
 
 from collections.abc import Callable
@@ -53,12 +53,15 @@ class MpcNodeParams:
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     distributed: bool = tunable(
         default=False,
-        description="publish predictions of its own `vehicles`, use those of other nodes (topic predictions)",
+        description=(
+            "publish the predictions of this node's `vehicles` on the topic predictions, "
+            "and use those of other nodes"
+        ),
         read_only=True,
     )
     prediction_hz: float = tunable(
         RATE_HZ,
-        "distributed: rate of the predictions of a vehicle, the same for all nodes",
+        "distributed: rate at which predictions of a vehicle are published; the same for all nodes",
         unit="Hz",
         low=0.1,
         high=100.0,
@@ -66,7 +69,8 @@ class MpcNodeParams:
     )
     budget_s: float = tunable(
         0.006,
-        "live: longest time to solve in a tick before the last solution, shifted, is used",
+        "live: time for solving in a tick; vehicles not solved by then use their last solution, "
+        "shifted in time",
         unit="s",
         low=1e-4,
         high=1.0,

@@ -1,8 +1,9 @@
 """PID node: `state`, `reference_safe` and (if aware) `interference` in, `command` out.
 
-The default gains are the paper's, with a soft altitude loop without integral: where thrust is 1 % off, height
-is 12 cm off. Real vehicles, and rooms with wind, batteries or wakes of their own, need others, such as those
-shipped in `src/q2q_control/config`: `--ros-args --params-file src/q2q_control/config/pid_tuned.yaml`.
+The default gains are the paper's. Their altitude loop is soft and has no integral: a thrust error of 1 %
+gives a height error of 12 cm. Real vehicles, and simulated rooms with wind, battery voltage or unmodelled
+downwash, need other gains, such as those in `src/q2q_control/config`: `--ros-args --params-file
+src/q2q_control/config/pid_tuned.yaml`.
 """
 
 from dataclasses import dataclass
@@ -32,7 +33,8 @@ class PidNodeParams:
 
     model: str = tunable(
         "none",
-        "interaction model whose residual is assumed with correct: none, a shipped name, or a .q2q file",
+        "with correct: interaction model that gives the statistics of the prediction's error: none, a"
+        " shipped name, or a .q2q file",
         read_only=True,
     )
 

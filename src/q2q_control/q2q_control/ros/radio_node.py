@@ -1,16 +1,24 @@
-"""Radio node: `command` or `reference_safe` in, packets out over cflib; pose, battery, link quality back.
+"""Radio node: flies vehicles over cflib by `command` or `reference_safe`; pose, battery, link quality out.
 
-| mode | inputs | sent every tick |
+| mode | inputs | sent to each flying vehicle every tick |
 |---|---|---|
 | command | `command`, `state` | roll, pitch, yaw rate, thrust |
 | setpoint | `reference_safe`, `state`, and `interference` if aware | full state with acc = acc_ref - eta |
 
-Vehicles fly by one procedure (q2q_control.flight_procedure.state_machine): `~/take_off`, `~/fly`, `~/hold`,
-`~/land`, `~/emergency` (motors off and locked; also as `~/stop` and, in setpoint mode, where no controller
-has it, as `all/emergency`). Each answers when it is done, or with the reason of a refusal; `procedure/status`
-has the step. `~/start` is for vehicles already held at their setpoints. q2q_control.radio.pilot.vehicle_pilot
-lists automatic actions, as without commands; when DDS reports that their writer is gone, it checks at once.
-`--dry-run` sends nothing.
+The services `~/take_off`, `~/fly`, `~/hold`, `~/land` and `~/emergency` call the flight procedure
+(docs/real_vehicles.md). Each answers when its action is complete, or with the reason for a refusal;
+`procedure/status` has the step. `~/emergency` stops and locks the motors; `~/stop` is the same, and so is
+`all/emergency` in mode setpoint, where no controller node provides it. `~/start` flies vehicles that are
+already at their setpoints, such as simulated ones that start in the air.
+
+From the connection on, the node sets firmware parameters (`firmware_params`, stabilizer.controller) and, with
+`places`, sends each vehicle the poses in which it was measured.
+
+If commands stop, a vehicle is levelled, landed and at last stopped (`command_timeout_*`); with a low battery
+it is landed. q2q_control.radio.pilot.vehicle_pilot lists all automatic actions.
+
+With `--dry-run` calls are checked and answered, but not executed: vehicles do not arm, take off, follow
+setpoints or land, and the emergency stop is not executed either. Poses and firmware parameters are sent.
 """
 
 from q2q_control.ros.radio_wiring import RadioNode

@@ -74,7 +74,7 @@ def test_young_knowledge_changes_nothing() -> None:
     ],
 )
 def test_ages_out_of_order_are_refused(ages: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="must rise"):
+    with pytest.raises(ValueError, match="is required"):
         FallbackParams(**ages)
 
 

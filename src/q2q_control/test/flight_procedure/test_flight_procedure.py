@@ -275,6 +275,6 @@ def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:
         in answer.reason
     )
     assert answer.reason.endswith("then take off to -0.30 m in 2.0 s")
-    assert bench.asked(Call.LAND).reason.startswith("dry run, nothing is sent; the step is checked")
+    assert bench.asked(Call.LAND).reason.startswith("dry run, not executed; the step is checked")
     assert bench.sent == []
     assert bench.procedure.step is Step.CHECKED

@@ -166,7 +166,7 @@ def test_a_single_act_without_outcome_fails_after_the_patience() -> None:
 def test_in_a_dry_run_no_single_act_is_sent() -> None:
     piloted, vehicles = flight(FlightProcedureParams(dry_run=True))
     refused = piloted.begin_single(Act.ARM, "arm", 0.0)
-    assert refused == Reply(granted=False, reason="dry run, nothing is sent; arm means: arm")
+    assert refused == Reply(granted=False, reason="dry run, not executed; arm means: arm")
     assert vehicles.begun == []
 
 

@@ -127,7 +127,7 @@ class PilotedFlight:
         if refusal:
             return Reply(granted=False, reason=refusal)
         if self._dry_run:
-            return Reply(granted=False, reason=f"dry run, nothing is sent; {name} means: {act.value}")
+            return Reply(granted=False, reason=f"dry run, not executed; {name} means: {act.value}")
         self._single, self._single_at = act, t
         self._executor.begin(Order(act), t)
         return None

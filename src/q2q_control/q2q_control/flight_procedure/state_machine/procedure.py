@@ -60,7 +60,7 @@ class FlightProcedure:
         if self._flight.params.dry_run:
             acts = ", then ".join(str(self._flight.order(act, observation)) for act in ACTS_OF[call])
             checks = refusal or unchecked(observation) or "all checks pass"
-            text = f"dry run, nothing is sent; {checks}; {call.value} means: {acts}"
+            text = f"dry run, not executed; {checks}; {call.value} means: {acts}"
             self.state.log.append(text)
             return Reply(granted=not refusal, reason=text)
         if refusal:

@@ -16,19 +16,20 @@ class MpcParams:
     steps: int = tunable(40, "number of stages of the horizon", low=4, high=400, read_only=True)
     mode: str = tunable(
         "coupled_z",
-        "axes of the MPC: altitude: z, with x and y by a PD law; coupled_z: all, coupled in z by downwash "
-        "(with correct: coupled_xyz); coupled_xyz: all, coupled in all by downwash",
+        "altitude: MPC in z, and a PD law in x and y; coupled_z: MPC in all axes, vehicles coupled in"
+        " z by downwash (with correct: as coupled_xyz); coupled_xyz: MPC in all axes, vehicles "
+        "coupled in all of them by downwash",
         choices=("altitude", "coupled_z", "coupled_xyz"),
     )
     group_max: int = tunable(
         4,
-        "maximum number of interacting vehicles that are solved together; 1 solves each by itself",
+        "maximum number of interacting vehicles that are solved jointly; 1: each vehicle separately",
         low=1,
         high=1000,
     )
     bandwidth_z: float = tunable(
         5.0,
-        "bandwidth of the altitude loop; with correct at least 12 rad/s",
+        "bandwidth of the altitude loop; with correct, at least 12 rad/s is used",
         unit="rad/s",
         low=0.2,
         high=50.0,
@@ -36,19 +37,28 @@ class MpcParams:
     bandwidth_xy: float = tunable(2.0, "bandwidth of the position loop", unit="rad/s", low=0.2, high=20.0)
     terminal_weight: float = tunable(
         0.45,
-        "terminal weight of vehicles solved together, and of axes that meet a bound, over that of the "
-        "infinite horizon",
+        "factor on the terminal weight of the infinite horizon, for vehicles solved jointly and for "
+        "axes at a bound",
         low=0.0,
         high=10.0,
     )
-    jerk_weight: float = tunable(0.2, "weight of jerk over that of control effort", low=0.0, high=100.0)
+    jerk_weight: float = tunable(
+        0.2,
+        "weight of jerk relative to that of control effort; larger values give smoother commands",
+        low=0.0,
+        high=100.0,
+    )
     slope_max: float = tunable(
-        10.0, "largest gradient of downwash in the prediction", unit="1/s^2", low=0.0, high=100.0
+        10.0,
+        "limit of the gradient of the predicted downwash with position",
+        unit="1/s^2",
+        low=0.0,
+        high=100.0,
     )
     loading: float = tunable(
         0.0,
-        "growth of a source's downwash over that of its thrust, relative to hover: 1 by momentum theory, 0 "
-        "as in the paper; if not 0, present downwash is predicted by the horizon itself",
+        "relative growth of a source's downwash over that of its thrust beyond hover: 0 as in the "
+        "paper, 1 by momentum theory; above 0, the MPC itself predicts the present downwash, too",
         low=0.0,
         high=2.0,
     )
@@ -56,38 +66,52 @@ class MpcParams:
         LATENCY_S, "delay from the stamp of a tick to the effect of its command", unit="s", low=0.0, high=0.3
     )
     attitude_lag: float = tunable(
-        0.12, "lag of the tilt behind its command, without that of the rotors", unit="s", low=0.0, high=1.0
+        0.12, "lag of the tilt behind its command, without the lag of the rotors", unit="s", low=0.0, high=1.0
     )
     observe: bool = tunable(default=True, description="estimate and cancel disturbances")
     state_bandwidth: float = tunable(
-        20.0, "bandwidth of estimated position and velocity", unit="rad/s", low=0.1, high=100.0
+        20.0,
+        "bandwidth of the estimates of position and velocity; larger values follow measurements faster",
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
     )
     observer_bandwidth: float = tunable(
-        3.0, "bandwidth of the estimated disturbance", unit="rad/s", low=0.01, high=50.0
+        3.0,
+        "bandwidth of the disturbance estimate; larger values follow changes faster, and pass more noise",
+        unit="rad/s",
+        low=0.01,
+        high=50.0,
     )
-    disturbance_max: float = tunable(3.0, "largest estimated disturbance", unit="m/s^2", low=0.0, high=9.81)
+    disturbance_max: float = tunable(
+        3.0, "limit of the estimated disturbance", unit="m/s^2", low=0.0, high=9.81
+    )
     thrust_limited: bool = tunable(
         default=False, description="keep thrust U1 within thrust_max (section 5.2 of the paper)"
     )
     thrust_max: float = tunable(
         6.6,
-        "bound on thrust U1 if thrust_limited is set; the paper's, for 0.65 kg",
+        "upper limit of thrust U1 if thrust_limited is true; the default is the paper's, for 0.65 kg",
         unit="N",
         low=0.0,
         high=100.0,
     )
     thrust_rate_max: float = tunable(
-        100.0, "largest rate of thrust over mass", unit="m/s^3", low=50.0, high=1e4
+        100.0, "largest rate of change of thrust over mass", unit="m/s^3", low=50.0, high=1e4
     )
     reserve: float = tunable(
         0.0,
-        "thrust that later stages keep free for the residual of the prediction, in standard deviations of "
-        "it; with correct only",
+        "with correct: thrust margin that later stages keep for errors of the predicted downwash, in "
+        "standard deviations of that error; larger values keep more thrust free",
         low=0.0,
         high=4.0,
     )
-    tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
-    tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=1.0, high=30.0)
+    tilt_max: float = tunable(
+        TILT_MAX, "largest angle between thrust and vertical", unit="rad", low=0.01, high=1.2
+    )
+    tilt_rate_max: float = tunable(
+        3.0, "largest rate of change of the tilt", unit="rad/s", low=1.0, high=30.0
+    )
     k_yaw: float = tunable(2.0, "gain from yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     yaw_rate_max: float = tunable(
         YAW_RATE_MAX, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0
@@ -95,14 +119,15 @@ class MpcParams:
     iterations_max: int = tunable(12, "maximum number of Riccati recursions per solve", low=1, high=200)
     shift_time: float = tunable(
         0.2,
-        "time for which a solution may be shifted before a PD law takes over",
+        "time for which the last solution, shifted in time, is used without a new one; then a PD law "
+        "takes over",
         unit="s",
         low=0.0,
         high=2.0,
     )
     hold_duration: float = tunable(
         LONGEST_HOLD_S,
-        "time for which a vehicle without a state keeps its last command",
+        "time for which the last command is repeated for a vehicle without a usable state",
         unit="s",
         low=0.0,
         high=1.0,

@@ -12,28 +12,31 @@ class RadioPilotParams:
     # camera, filter and radio of Crazyswarm: 26 ms to the actuators (Preiss et al., ICRA 2017)
     pose_delay_s: float = tunable(
         0.02,
-        "delay from capture to the onboard estimate, by which poses sent are extrapolated",
+        "delay from capture to the onboard estimate; poses are extrapolated by it before they are sent",
         unit="s",
         low=0.0,
         high=0.1,
     )
 
-    arm_s: float = tunable(2.0, "longest time for arming a vehicle", unit="s", low=0.1, high=30.0)
+    arm_s: float = tunable(
+        2.0, "time after which the arming of a vehicle has failed", unit="s", low=0.1, high=30.0
+    )
     voltage_land: float = tunable(
-        3.2, "battery voltage below which a vehicle lands", unit="V", low=0.0, high=20.0
+        3.2, "battery voltage below which a vehicle is landed", unit="V", low=0.0, high=20.0
     )
     voltage_land_s: float = tunable(
-        2.0, "time below voltage_land after which a vehicle lands", unit="s", low=0.0, high=60.0
+        2.0, "time below voltage_land after which a vehicle is landed", unit="s", low=0.0, high=60.0
     )
     command_timeout_level_s: float = tunable(
-        0.04, "time without a command until a vehicle is levelled", unit="s", low=0.01, high=0.5
+        0.04, "time without a command after which a vehicle is levelled", unit="s", low=0.01, high=0.5
     )
     command_timeout_land_s: float = tunable(
-        1.0, "time without a command until a vehicle lands", unit="s", low=0.01, high=60.0
+        1.0, "time without a command after which a vehicle is landed", unit="s", low=0.01, high=60.0
     )
     command_timeout_stop_s: float = tunable(
         5.0,
-        "time without a command until a vehicle landing without measurements stops its motors",
+        "time without a command after which the motors of a vehicle that lands without measurements "
+        "are stopped",
         unit="s",
         low=0.01,
         high=120.0,
@@ -50,5 +53,5 @@ class RadioPilotParams:
         if not level <= land <= stop:
             raise ValueError(
                 f"command_timeout_level_s {level}, command_timeout_land_s {land}, command_timeout_stop_s "
-                f"{stop}: these must rise"
+                f"{stop}: each must be at least the one before"
             )
