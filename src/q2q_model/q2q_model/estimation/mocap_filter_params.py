@@ -16,18 +16,20 @@ class MocapFilterParams:
     """Parameters of the mocap filter."""
 
     pos_max: float = tunable(
-        _LIMITS.pos_max, "largest accepted |x|, |y|, |z| of a position", unit="m", low=0.1
+        _LIMITS.pos_max, "largest |x|, |y|, |z| of an accepted position", unit="m", low=0.1
     )
     speed_max: float = tunable(
         _LIMITS.speed_max,
-        "largest accepted speed since the last sample, beyond a step of jump_max",
+        "a position is rejected if it is farther from the last accepted one than at this speed, plus "
+        "jump_max",
         unit="m/s",
         low=0.1,
         high=100.0,
     )
     jump_max: float = tunable(
         _LIMITS.jump_max,
-        "largest accepted deviation from the predicted position, beyond its standard deviation",
+        "a position is rejected if it is farther than this from its prediction, plus the prediction's"
+        " uncertainty",
         unit="m",
         low=1e-4,
         high=10.0,
@@ -35,22 +37,30 @@ class MocapFilterParams:
     # VICON: 0.15 mm static, under 2 mm dynamic (Merriaux et al., Sensors 2017)
     position_noise: float = tunable(
         1e-3,
-        "standard deviation of a position sample; 0: positions are not filtered",
+        "standard deviation of a position sample; larger values smooth more; 0: positions are not filtered",
         unit="m",
         low=0.0,
         high=0.1,
     )
     # on real flights (nanobench) the velocity error changes by 10 % from 4 to 16
     jerk_noise: float = tunable(
-        8.0, "root of the power density of the jerk of vehicles", unit="m/s^2.5", low=1e-3, high=1e4
+        8.0,
+        "root of the power density of the vehicles' jerk; larger values follow samples faster",
+        unit="m/s^2.5",
+        low=1e-3,
+        high=1e4,
     )
     # dropouts of motion capture last 0.1 to 0.3 s
     coast_s: float = tunable(
-        0.35, "time without samples after which a coasting vehicle is lost", unit="s", low=0.0, high=10.0
+        0.35,
+        "time without accepted samples after which a vehicle is LOST instead of COASTING",
+        unit="s",
+        low=0.0,
+        high=10.0,
     )
     reacquire_s: float = tunable(
         0.06,
-        "time for which rejected samples must agree to be accepted as a jump",
+        "time for which rejected positions must agree with each other to be accepted as a jump",
         unit="s",
         low=0.0,
         high=10.0,
@@ -58,13 +68,17 @@ class MocapFilterParams:
     # a vehicle that nobody sees lands 1 s after its last sample, at up to 1.1 m/s, and is cut after 5 s
     frozen_reacquire_s: float = tunable(
         4.0,
-        "time after which a pose that repeats in spite of noise is accepted again",
+        "time for which a pose that repeats exactly is rejected, where poses have noise",
         unit="s",
         low=0.0,
         high=60.0,
     )
     turn_max: float = tunable(
-        0.35, "largest accepted turn beyond that at turn_rate_max", unit="rad", low=0.01, high=3.2
+        0.35,
+        "largest accepted change of attitude, in addition to that at turn_rate_max",
+        unit="rad",
+        low=0.01,
+        high=3.2,
     )
     # the Crazyflie's gyroscope saturates at 2000 deg/s; in flight it stays below a third of that
     turn_rate_max: float = tunable(12.0, "largest accepted body rate", unit="rad/s", low=0.1, high=100.0)
@@ -72,18 +86,18 @@ class MocapFilterParams:
         0.02, "time constant of the low-pass filter of body rates; 0: no filter", unit="s", low=0.0, high=1.0
     )
     attitude_reacquire_s: float = tunable(
-        0.3, "time for which a rejected attitude must last to be accepted", unit="s", low=0.0, high=10.0
+        0.3, "time after which a rejected attitude that persists is accepted", unit="s", low=0.0, high=10.0
     )
     # by then a vehicle that lies upside down has been cut by its firmware
     flip_reacquire_s: float = tunable(
         4.0,
-        "time for which a sudden turn to upside down must last to be accepted",
+        "time after which a sudden turn to upside down that persists is accepted",
         unit="s",
         low=0.0,
         high=60.0,
     )
     clock_jump_s: float = tunable(
-        SET_BACK_S, "backward step of the clock beyond which the filter is reset", unit="s", low=0.0, high=1e6
+        SET_BACK_S, "the filter is reset if stamps go back by more than this", unit="s", low=0.0, high=1e6
     )
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Interaction model node: `state` in, `interference` out; loads models published on `model`."""
+"""Interaction model node: predicts downwash: `state` in, `interference` out; loads models from `model`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,7 +33,8 @@ class InterferenceParams:
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     correct_vehicle: str = tunable(
         "none",
-        "vehicle for which the last tick's `imu` and `command` correct the prediction; none: no correction",
+        "vehicle type, needed to correct the prediction by `imu` and `command` of the last tick; "
+        "none: no correction",
         choices=("none", *VEHICLES),
         read_only=True,
     )

@@ -28,11 +28,13 @@ class MocapFilterNodeParams:
     """Parameters of the node in addition to those of the filter."""
 
     vehicles: tuple[str, ...] = tunable(
-        (), f"vehicles to track; empty: all that appear, until {MOST_LOST} are lost", read_only=True
+        (),
+        f"names of the vehicles to track; empty: all that appear; no new ones once {MOST_LOST} are lost",
+        read_only=True,
     )
     vehicle_topics_hz: float = tunable(
         10.0,
-        "largest rate of <name>/pose and <name>/odom, of vehicles that are not lost; 0: not published",
+        "largest rate of <name>/pose and <name>/odom of a vehicle that is not LOST; 0: not published",
         unit="Hz",
         low=0.0,
         high=1000.0,

@@ -57,21 +57,32 @@ class PotentialFieldParams:
     """Parameters of (19)-(21); defaults are the paper's, section 4.2."""
 
     enabled: bool = tunable(
-        default=True, description="avoid other vehicles; false: every vehicle returns to its reference"
+        default=True,
+        description=("avoid other vehicles; false: every vehicle returns to its reference and follows it"),
     )
-    k_d: float = tunable(3.0, "damping of the deviation from the reference", unit="1/s", low=0.0, high=100.0)
+    k_d: float = tunable(
+        3.0,
+        "damping of the deviation from the reference; larger values damp more",
+        unit="1/s",
+        low=0.0,
+        high=100.0,
+    )
     k_p: float = tunable(
-        5.0, "stiffness of the deviation from the reference", unit="1/s^2", low=1e-3, high=1e4
+        5.0,
+        "stiffness of the deviation from the reference; larger values return faster",
+        unit="1/s^2",
+        low=1e-3,
+        high=1e4,
     )
     k_s: tuple[float, ...] = tunable(
         (10.0, 10.0, 10.0),
-        "stiffness of the repulsion between vehicles along x, y, z",
+        "stiffness of the repulsion between vehicles along x, y, z; larger values repel more",
         unit="1/s^2",
         low=0.0,
         high=1e4,
     )
-    alpha: float = tunable(0.7, "factor of the horizontal width of the repulsion", low=1e-6, high=1e3)
-    beta: float = tunable(0.5, "factor of the vertical width of the repulsion", low=1e-6, high=1e3)
+    alpha: float = tunable(0.7, "factor on the squared horizontal width of the repulsion", low=1e-6, high=1e3)
+    beta: float = tunable(0.5, "factor on the squared vertical width of the repulsion", low=1e-6, high=1e3)
     eps: float = tunable(0.3, "width of the repulsion between vehicles", unit="m", low=1e-3, high=10.0)
 
     def __post_init__(self) -> None:

@@ -1,7 +1,12 @@
-"""Replanner node: `reference` and `state` in, `reference_safe` out.
+"""Replanner node: `reference` and `state` in, replanned setpoints out on `reference_safe`.
 
-`law` chooses between the paper's potential field and the safe replanner. The node has the parameters of its
-law only, those of the second under `safe.`, and they may change in flight.
+The name `reference_safe` guarantees nothing. With `law:=paper`, the default, setpoints are moved by the
+paper's potential field, without a guarantee; with `enabled:=false`, vehicles follow their references. Only
+`law:=safe` guarantees separation, under the conditions in docs/promise.md and while a setpoint's status is
+not PROMISE_BROKEN.
+
+The node has only the parameters of its law; those of `safe` have the prefix `safe.`. They may change in
+flight.
 """
 
 from collections.abc import Callable
@@ -30,7 +35,12 @@ PREFIX = f"{SAFE}."
 class ReplannerNodeParams:
     """Parameters of the node, without those of its law."""
 
-    law: str = tunable(PAPER, "law that moves the setpoints", choices=(PAPER, SAFE), read_only=True)
+    law: str = tunable(
+        PAPER,
+        "replanning law: the paper's potential field (paper), or the safe replanner (safe)",
+        choices=(PAPER, SAFE),
+        read_only=True,
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""

@@ -1,11 +1,19 @@
-"""Trajectory node: `mocap` ticks in, `reference` out; the played plan is latched on `plan`.
+"""Trajectory node: plays a plan: `mocap` in for its ticks, `reference` out; the plan is latched on `plan`.
 
-With `wait` the plan is played by calls (q2q_planner.plan_playback.plan_player): the reference follows the
-measured vehicles; `~/transit` leads it to the plan's first points on a certified plan, `~/start` starts the
-plan's clock, `~/hold` brakes along the plan, `~/wait` waits again after a landing (refused while a vehicle is
-within 0.25 m of its reference: in flight it would drift), `~/wait_landed` does so without that check, for
-callers that have found all vehicles on the ground. The waiting plan is latched on `next_plan`. For real
-vehicles, the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
+With `wait:=true` the plan waits for service calls, and is latched on `next_plan`. Until the first call the
+reference is at the measured positions of the vehicles.
+
+| service | effect |
+|---|---|
+| `~/glide` | moves the reference to the plan's first points; certified to keep the vehicles apart |
+| `~/start` | starts the plan |
+| `~/hold` | brakes along the plan, then keeps the reference there |
+| `~/wait` | waits again, after a landing; refused while a vehicle is within 0.25 m of its reference (1) |
+| `~/wait_landed` | the same without this check, for callers that know all vehicles to be on the ground |
+
+(1) In flight, it would follow its own measured position, and drift.
+
+For real vehicles, the nodes `radio` and `crazyswarm` call these services (docs/real_vehicles.md).
 """
 
 from collections.abc import Callable
@@ -43,12 +51,14 @@ class TrajectoryParams:
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
         -1.0,
-        "stamp at which the plan starts, not with wait; negative: that of the first tick",
+        "stamp at which the plan starts; ignored with wait; negative: stamp of the first tick",
         unit="s",
         high=LAST_STAMP,
         read_only=True,
     )
-    wait: bool = tunable(default=False, description="wait for calls before playing the plan", read_only=True)
+    wait: bool = tunable(
+        default=False, description="wait for service calls before playing the plan", read_only=True
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""

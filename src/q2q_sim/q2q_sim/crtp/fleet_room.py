@@ -30,23 +30,27 @@ class CrtpRoomParams:
 
     start: str = tunable(
         "ground",
-        "start of the vehicles: on the ground below their first waypoint, or held at it",
+        "start of the vehicles: on the ground below their first waypoint (ground), or held at it (air)",
         choices=("ground", "air"),
     )
     positioning: str = tunable(
         "deck",
-        "positioning of the vehicles: by themselves, by optical flow from their start, or sent by clients",
+        "source of the vehicles' position: a positioning deck, optical flow from their start, or "
+        "poses sent by clients (external)",
         choices=("deck", "flow", "external"),
     )
     decks: tuple[str, ...] = tunable(
-        ("bcFlow2", "bcZRanger2"), "decks that vehicles report besides that for positioning"
+        ("bcFlow2", "bcZRanger2"), "decks that vehicles report in addition to that for positioning"
     )
     auto_arming: bool = tunable(
-        default=True, description="let vehicles arm themselves, as the stock build does"
+        default=True, description="let vehicles arm themselves, as the stock firmware does"
     )
-    app: str = tunable("", "folder written by export_app, whose app flies on board; empty: none")
+    app: str = tunable(
+        "", "folder written by export_app, whose app runs in the simulated firmware; empty: none"
+    )
     zero_expires: bool = tunable(
-        default=False, description="let setpoints without thrust expire after 0.5 s; the firmware keeps them"
+        default=False,
+        description="let setpoints of zero thrust expire after 0.5 s; the real firmware keeps them",
     )
 
     def __post_init__(self) -> None:

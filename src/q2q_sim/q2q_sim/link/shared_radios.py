@@ -48,7 +48,7 @@ class SharedRadioParams:
         high=1e5,
     )
     patience: float = tunable(
-        0.1, "longest wait for the radio before a packet is dropped", unit="s", low=0.0, high=10.0
+        0.1, "time that a packet waits for the radio before it is dropped", unit="s", low=0.0, high=10.0
     )
     per_radio: int = tunable(15, "number of vehicles that share a radio", low=1, high=1000)
 

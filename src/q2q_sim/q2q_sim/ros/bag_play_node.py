@@ -1,4 +1,4 @@
-"""Bag playback node: messages on their topics at a given rate, or tick by tick in lockstep.
+"""Bag playback node: publishes a bag's messages at a given rate, or tick by tick in lockstep.
 
 The node exits at the end of the bag.
 """

@@ -1,7 +1,7 @@
-"""Recording node: the serialised messages of a flight's topics into a rosbag2 MCAP bag.
+"""Recording node: writes the serialised messages of a flight's topics into a rosbag2 MCAP bag.
 
-If the disk is full, the node logs it, stops recording and keeps its services, so that the flight is flown to
-its end; its exit status is then 2.
+If the disk is full, the node logs this, stops recording and exits with status 2 once it is ended. Until then
+its services answer, so that the flight is completed.
 """
 
 from collections.abc import Callable, Mapping
@@ -36,13 +36,13 @@ class RecordParams:
     """Parameters of the node."""
 
     bag: str = tunable("", "bag folder to write, which must not exist", read_only=True)
-    topics: tuple[str, ...] = tunable((), "q2q topics to record; empty: all", read_only=True)
+    topics: tuple[str, ...] = tunable((), "q2q topics to record; empty: all of them", read_only=True)
     extra: tuple[str, ...] = tunable(
         (), "other topics to record, each as topic:package/msg/Type", read_only=True
     )
     stamps: str = tunable(
         "receive",
-        "source of bag times: time of receipt, or header stamp",
+        "time of a message in the bag: time of receipt (receive), or stamp of its header (header)",
         choices=("receive", "header"),
         read_only=True,
     )

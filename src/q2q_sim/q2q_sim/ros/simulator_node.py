@@ -1,20 +1,20 @@
-"""Simulator node: motion capture out, commands in over the simulated radio, vehicles in between.
+"""Simulator node: vehicles, motion capture and radio: `command` in, `mocap`, `truth` and `imu` out.
 
-| pace | source of time |
+| pace | when time advances |
 |---|---|
-| lockstep | the command of the tick: the same seed gives the same flight, faster than real time |
-| live | the wall clock, 100 Hz |
+| lockstep | with the command of the tick: the same seed gives the same flight, faster than real time |
+| live | by the wall clock, 100 Hz |
 
-Live, the flight begins at once, whether or not other nodes have found this one, and vehicles that get no
-command for 2 s lock their motors. Let it wait for the nodes of the control loop, which must be ready and
-connected first: `-p starts_after:="[mocap_filter, interference, trajectory, replanner, pid]"`. Or give
-`autostart:=false`, and call `~/start` once they run.
+With `pace:=live` the flight begins at once, even if other nodes have not discovered this one, and vehicles
+that receive no command for 2 s lock their motors. To let it wait until the nodes of the control loop are
+ready and connected, give `-p starts_after:="[mocap_filter, interference, trajectory, replanner, pid]"`. Or
+give `autostart:=false`, and call `~/start` once they run.
 
-In one process with the controller (`q2q_sim.ros.stack`), lockstep runs in bursts of BURST ticks; between them
-the other callbacks of the process run.
+In one process with the controller (`q2q_sim.ros.stack`), lockstep runs 20 ticks (BURST) at a time; between
+them the other callbacks of the process run.
 
-With `crtp`, CRTP clients fly the vehicles through their emulated firmware (docs/emulated_firmware.md), live,
-until the node is ended; `command` is not read.
+With `crtp:=true`, CRTP clients fly the vehicles through their emulated firmware (docs/emulated_firmware.md),
+at 100 Hz of wall time until the node is ended.
 """
 
 from collections import deque

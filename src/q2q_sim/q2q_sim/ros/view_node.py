@@ -1,8 +1,8 @@
 """View of a running flight: signals in, `scene` (MarkerArray) out, and optionally a Foxglove server.
 
 RViz: `rviz2 -d` with the shipped `config/q2q.rviz`. Foxglove: `-p foxglove:=true`, then open a WebSocket
-connection to ws://localhost:8765 and import the shipped `config/foxglove_layout.json`. Content of the scene:
-q2q_sim.view.scene. It subscribes best effort, so that a slow viewer does not delay a flight.
+connection to ws://localhost:8765 and import the shipped `config/foxglove_layout.json`. q2q_sim.view.scene
+lists what is drawn. The node subscribes best effort, so that it cannot delay a flight.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class ViewParams:
 
     scene_hz: float = tunable(
         20.0,
-        "largest rate of the scene in time of the stamps",
+        "largest rate of the scene, by the stamps of the signals",
         unit="Hz",
         low=0.1,
         high=100.0,

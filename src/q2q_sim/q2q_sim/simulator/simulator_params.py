@@ -15,39 +15,47 @@ from q2q_sim.scenarios.scenario_variants import check_wake_or_air, with_air, wit
 class SimulatorParams:
     """Parameters of the node."""
 
-    scenario: str = tunable("table6", "scenario name or file", read_only=True)
+    scenario: str = tunable("table6", "name or file of the scenario", read_only=True)
     vehicle: str = tunable(
-        "", "simulated vehicle; empty: the scenario's", choices=("", *VEHICLES), read_only=True
+        "", "simulated vehicle type; empty: that of the scenario", choices=("", *VEHICLES), read_only=True
     )
-    wake: str = tunable("", "simulated wake; empty: the scenario's", choices=("", *WAKES), read_only=True)
+    wake: str = tunable(
+        "", "simulated wake; empty: that of the scenario", choices=("", *WAKES), read_only=True
+    )
     air: str = tunable(
         "",
         "air model in place of wake and disturbance: a shipped name, a .air file or module:Class; "
-        "empty: the scenario's",
+        "empty: that of the scenario",
         read_only=True,
     )
     air_without: tuple[str, ...] = tunable((), "terms of the air model to switch off", read_only=True)
     firmware: str = tunable(
         "",
-        "firmware, which sets thrust per PWM; empty: the scenario's",
+        "firmware of the vehicles, which determines thrust per PWM; empty: that of the scenario",
         choices=("", *FIRMWARES),
         read_only=True,
     )
     seed: int = tunable(0, "seed of all random draws", low=0, read_only=True)
     pace: str = tunable(
         "lockstep",
-        "source of time: commands (lockstep), or the wall clock at 100 Hz (live)",
+        "lockstep: time advances when the command of the tick arrives; live: 100 Hz of wall time",
         choices=("lockstep", "live"),
         read_only=True,
     )
-    autostart: bool = tunable(True, "fly at once; false: wait for ~/start", read_only=True)  # noqa: FBT003
-    starts_after: tuple[str, ...] = tunable(
-        (), "with autostart: nodes that must be ready and connected first", read_only=True
+    autostart: bool = tunable(
+        default=True, description="start the flight by itself; false: when ~/start is called", read_only=True
     )
-    crtp: bool = tunable(False, "let CRTP clients fly the vehicles instead of commands", read_only=True)  # noqa: FBT003
+    starts_after: tuple[str, ...] = tunable(
+        (), "with autostart: nodes that must be ready and connected before the flight starts", read_only=True
+    )
+    crtp: bool = tunable(
+        default=False,
+        description="let CRTP clients fly the vehicles; the topic command is not read",
+        read_only=True,
+    )
     resend_period_s: float = tunable(
         5.0,
-        "lockstep: time after which an unanswered frame is published again",
+        "lockstep: time without a command after which the frame is published again",
         unit="s",
         low=0.01,
         high=60.0,
@@ -55,7 +63,7 @@ class SimulatorParams:
     )
     command_timeout_s: float = tunable(
         120.0,
-        "lockstep: time without a command after which the tick is missed",
+        "lockstep: time without a command after which the tick counts as missed",
         unit="s",
         low=0.01,
         high=3600.0,

@@ -76,11 +76,13 @@ class SceneParams:
     eps: float = tunable(Cylinder().eps, "radius of the zones drawn", unit="m", low=0.01, high=10.0)
     d: float = tunable(Cylinder().d, "half height of the zones drawn", unit="m", low=0.01, high=10.0)
     wake_speed: float = tunable(
-        MEASURED_SPEED, "travel speed of the downwash drawn", unit="m/s", low=0.1, high=100.0
+        MEASURED_SPEED, "speed at which the drawn downwash travels", unit="m/s", low=0.1, high=100.0
     )
-    force_scale: float = tunable(0.3, "length of a downwash arrow for 1 m/s^2", unit="m", low=0.0, high=10.0)
-    trail_s: float = tunable(10.0, "duration of the trails of vehicles", unit="s", low=0.1, high=600.0)
-    trail_hz: float = tunable(20.0, "points of a trail per second", unit="Hz", low=0.1, high=100.0)
+    force_scale: float = tunable(
+        0.3, "length of the arrow of a downwash of 1 m/s^2", unit="m", low=0.0, high=10.0
+    )
+    trail_s: float = tunable(10.0, "time that the vehicles' trails cover", unit="s", low=0.1, high=600.0)
+    trail_hz: float = tunable(20.0, "number of points of a trail per second", unit="Hz", low=0.1, high=100.0)
 
     def __post_init__(self) -> None:
         """Check the bounds."""

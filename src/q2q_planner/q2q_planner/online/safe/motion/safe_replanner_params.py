@@ -12,7 +12,8 @@ class SafeReplannerParams:
     """Parameters of the safe replanner."""
 
     enabled: bool = tunable(
-        default=True, description="avoid other vehicles; false: every vehicle returns to its reference"
+        default=True,
+        description=("avoid other vehicles; false: every vehicle returns to its reference and follows it"),
     )
     eps: float = tunable(0.25, "radius of the zone around each vehicle", unit="m", low=1e-3, high=10.0)
     d: float = tunable(
@@ -22,62 +23,96 @@ class SafeReplannerParams:
         0.02, "distance kept from the zones of other vehicles", unit="m", low=0.0, high=1.0
     )
     # controllers tilt by 0.35 rad, 3.6 m/s^2, of which the feedback needs a part
-    acc_max: float = tunable(2.0, "largest acceleration, also when braking", unit="m/s^2", low=0.1, high=50.0)
+    acc_max: float = tunable(
+        2.0,
+        "largest acceleration of a replanned setpoint, also when braking",
+        unit="m/s^2",
+        low=0.1,
+        high=50.0,
+    )
     hold: float = tunable(
-        0.02, "time for which an acceleration is held: a tick and a lost one", unit="s", low=1e-3, high=0.5
+        0.02,
+        "time for which an acceleration is assumed to act until the next one: two ticks, one of them lost",
+        unit="s",
+        low=1e-3,
+        high=0.5,
     )
     k_p: float = tunable(
-        5.0, "stiffness towards the reference, if jerk_max is 0", unit="1/s^2", low=0.01, high=100.0
+        5.0, "stiffness towards the reference; used if jerk_max is 0", unit="1/s^2", low=0.01, high=100.0
     )
     k_d: float = tunable(
-        4.0, "damping towards the reference, if jerk_max is 0", unit="1/s", low=0.01, high=100.0
+        4.0, "damping towards the reference; used if jerk_max is 0", unit="1/s", low=0.01, high=100.0
     )
     approach: float = tunable(
         2.0,
-        "double pole of the approach to a zone; if jerk_max is set, to the reference, too, and at most "
-        "0.4 / T and 1 / (T + 2 acc_max / jerk_max) with T = max(hold, 0.05 s)",
+        "rate of the approach to a zone, as a double pole; larger values approach faster and brake "
+        "later; if jerk_max is above 0, also of the approach to the reference, and at most 0.4 / T "
+        "and 1 / (T + 2 acc_max / jerk_max) with T = max(hold, 0.05 s)",
         unit="1/s",
         low=0.1,
         high=20.0,
     )
     around: float = tunable(
-        0.5, "tangential share of a correction: it leads around the other vehicle", low=0.0, high=2.0
+        0.5,
+        "size of the sideways correction that leads around another vehicle, relative to the "
+        "correction away from it; 0: none",
+        low=0.0,
+        high=2.0,
     )
     height: float = tunable(
         0.05,
-        "weight of vertical corrections over horizontal ones: below 1 prefers the latter",
+        "weight of vertical corrections relative to horizontal ones; below 1, horizontal ones are preferred",
         low=1e-3,
         high=1.0,
     )
     tracking: float = tunable(
         0.05,
-        "largest tracking error of a vehicle; horizontal, if tracking_z is set",
+        "largest tracking error that is assumed of a vehicle; only the horizontal one if tracking_z "
+        "is above 0",
         unit="m",
         low=0.0,
         high=1.0,
     )
     tracking_z: float = tunable(
-        0.0, "largest vertical tracking error; 0: tracking bounds the distance", unit="m", low=0.0, high=1.0
+        0.0,
+        "largest vertical tracking error that is assumed; 0: tracking bounds the error in all directions",
+        unit="m",
+        low=0.0,
+        high=1.0,
     )
     jerk_max: float = tunable(
-        0.0, "largest jerk along an axis; 0: not bounded", unit="m/s^3", low=0.0, high=1000.0
+        0.0,
+        "largest jerk of a replanned setpoint along an axis; 0: no limit",
+        unit="m/s^3",
+        low=0.0,
+        high=1000.0,
     )
     drift: float = tunable(
-        0.2, "largest drift speed of an unmeasured vehicle", unit="m/s", low=0.0, high=10.0
+        0.2,
+        "speed at which a vehicle that is not tracked is assumed to leave its trajectory",
+        unit="m/s",
+        low=0.0,
+        high=10.0,
     )
     grace: float = tunable(
-        0.1, "age of a measurement up to which tracking covers the drift", unit="s", low=0.0, high=10.0
+        0.1,
+        "age of a measurement up to which the tracking error covers the drift; beyond it, the zone "
+        "grows by drift",
+        unit="s",
+        low=0.0,
+        high=10.0,
     )
     speed_max: float = tunable(
         2.0,
-        "largest speed of vehicles of other replanners, and of all if jerk_max is set",
+        "largest speed that is assumed of vehicles of other replanners; if jerk_max is above 0, also "
+        "the largest speed of replanned setpoints",
         unit="m/s",
         low=0.1,
         high=100.0,
     )
     forget: float = tunable(
         2.0,
-        "age at which the state of a vehicle of another replanner is dropped",
+        "age from which the last known state of a vehicle of another replanner is not used",
         unit="s",
         low=0.1,
         high=600.0,
