@@ -1,7 +1,8 @@
 """Call the flight procedure: start, take_off, fly, hold, land, emergency.
 
-Prints the answer; exits with 0 if the call was granted, with 1 if it was refused or not answered. The calls
-are std_srvs/Trigger services of the nodes radio and crazyswarm.
+Prints the answer. The exit status is 0 if the call was granted, 1 if it was refused or not answered. The
+calls are std_srvs/Trigger services of the nodes radio and crazyswarm. With their option --dry-run they
+execute none, emergency included.
 """
 
 import re
@@ -40,7 +41,7 @@ def parser() -> CommandLine:
     made.add_argument(
         "--on-enter",
         action="store_true",
-        help="find the service now, and call it when Enter is pressed: an emergency stop at hand",
+        help="find the service now, and call it when Enter is pressed; for the emergency stop",
     )
     return made
 

@@ -1,4 +1,4 @@
-"""Write a firmware app in C99 that compensates downwash on board of a Crazyflie, from a model file.
+"""Write a firmware app in C99 that compensates the downwash of a model file on board a Crazyflie.
 
 The app predicts the downwash of up to five neighbours from their broadcasts, corrects it by the vehicle's
 accelerometer at 500 Hz, and subtracts it from the acceleration setpoint of the Mellinger controller. The
@@ -35,13 +35,20 @@ def _prepare(args: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("export_app", __doc__, EXAMPLE)
-    made.add_argument("--model", required=True, help="a shipped name or a .q2q file")
+    made.add_argument(
+        "--model", required=True, help="interaction model: a shipped name, or a .q2q file with a jet"
+    )
     made.add_argument(
         "--out", type=output_folder, required=True, metavar="DIR", help="folder to write the app to"
     )
-    made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
     made.add_argument(
-        "--firmware", default=STOCK, choices=FIRMWARES, help="firmware, which sets thrust per PWM"
+        "--vehicle", default="crazyflie_2_0", help=f"vehicle type: one of {', '.join(VEHICLES)}"
+    )
+    made.add_argument(
+        "--firmware",
+        default=STOCK,
+        choices=FIRMWARES,
+        help="firmware of the vehicle, which determines thrust per PWM",
     )
     return made
 

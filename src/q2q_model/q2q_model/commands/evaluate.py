@@ -1,13 +1,14 @@
 """Score an interaction model against the downwash measured on recorded flights.
 
-The scoring rule is that of q2q_model.identification.push.push_samples. A flight without measured downwash
-(neither a log of forces nor accelerometer and thrust commands) is named; its scores are null with n = 0.
+The scores are defined in q2q_model.identification.push.push_samples. Flights in which the downwash cannot be
+measured, because they have neither a log of forces nor accelerometer and thrust commands, are listed; their
+scores are null with n = 0.
 
-R2 is not centred. The downwash on exposed rows is nearly constant, and on the recorded real flights a
-constant alone reaches R2 0.60 (feed-forward off) and 0.48 (on): compare with that constant, not with 0. With
-the neighbour's log shifted by 7 to 23 s, a law reaches R2 0.0 to 0.2 on the same rows, less than a constant
-does, and less than 0 over all usable rows. "20 ms ahead" is R2 of the model corrected by the residual
-that was known 20 ms before.
+R2 is not centred: it compares the model with no downwash, not with the mean. In samples under another vehicle
+the downwash is nearly constant, and on the recorded real flights a constant alone reaches R2 0.60
+(feed-forward off) and 0.48 (on): compare a model with that constant, not with 0. If the neighbour's log is
+shifted by 7 to 23 s, a model reaches R2 0.0 to 0.2 on the same samples, less than a constant, and less than 0
+on all usable samples. "20 ms ahead" is R2 of the model corrected by its residual of 20 ms before.
 """
 
 import sys
@@ -44,7 +45,9 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("evaluate", __doc__, EXAMPLE)
     made.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
-    made.add_argument("--model", required=True, help="none, a shipped name, or a .q2q file")
+    made.add_argument(
+        "--model", required=True, help="interaction model: none, a shipped name, or a .q2q file"
+    )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the scores to")
     add_recording_options(made)
     return made

@@ -69,21 +69,28 @@ def parser() -> CommandLine:
         "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
     )
     made.add_argument(
-        "--json", type=output_file, metavar="FILE", help="report to write; default: next to the model"
+        "--json", type=output_file, metavar="FILE", help="report to write (default: next to the model file)"
     )
     made.add_argument(
         "--model-type",
         default="auto",
         choices=("auto", "jet", "envelope_network"),
-        help="auto selects by held-out error",
+        help="type of model; auto (default) selects the one with the smallest error on held-out flights",
     )
     add_recording_options(made)
     made.add_argument(
-        "--threshold", type=positive_number, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
+        "--threshold",
+        type=positive_number,
+        default=0.1,
+        help="downwash at the edge of the identified zone [m/s^2] (default 0.1)",
     )
-    made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
-    made.add_argument("--model", default="paper_law", help="initial model of --live")
-    made.add_argument("--no-plots", action="store_true", help="draw no figures")
+    made.add_argument(
+        "--live",
+        action="store_true",
+        help="refine --model by the topics of a running flight, until interrupted",
+    )
+    made.add_argument("--model", default="paper_law", help="with --live: initial model (default paper_law)")
+    made.add_argument("--no-plots", action="store_true", help="do not draw figures")
     return made
 
 

@@ -13,15 +13,18 @@ def add_recordings(parser: CommandLine) -> None:
         nargs="+",
         type=Path,
         metavar="FLIGHT",
-        help="bag, table (.parquet, .csv) or folder of them",
+        help="bag, table (.parquet, .csv), or a folder of bags and tables",
     )
 
 
 def add_recording_options(parser: CommandLine) -> None:
     """Add `--topics` and `--vehicle`."""
     parser.add_argument(
-        "--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software"
+        "--topics", type=Path, metavar="MAP.yaml", help="topic map of bags that q2q did not record"
     )
     parser.add_argument(
-        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
+        "--vehicle",
+        default="",
+        choices=tuple(VEHICLES),
+        help="vehicle type, in place of that named in the bags",
     )

@@ -1,9 +1,8 @@
 """Scale a jet to another airframe by momentum theory.
 
-Widths and gaps grow with the radius of the rotors, speeds with the induced velocity sqrt(m g / (2 rho A)),
-and the downwash on another vehicle below with the ratio of the disk loadings. The predicted deviation grows
-by 20 % of the downwash. Gains and residual are those of the airframe that was flown: the scaled model has
-none.
+Widths and gaps scale with the radius of the rotors, speeds with the induced velocity sqrt(m g / (2 rho A)),
+and the downwash on another vehicle below with the ratio of the disk loadings. The predicted standard
+deviation is increased by 20 % of the downwash. Gains and residual are not scaled: the scaled model has none.
 """
 
 import sys
@@ -38,7 +37,9 @@ def _prepare(args: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("scale_model", __doc__, EXAMPLE)
-    made.add_argument("--model", required=True, help="a shipped name, or a .q2q file with a jet")
+    made.add_argument(
+        "--model", required=True, help="model to scale: a shipped name, or a .q2q file with a jet"
+    )
     made.add_argument(
         "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
     )

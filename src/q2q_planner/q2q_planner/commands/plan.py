@@ -1,4 +1,4 @@
-"""Plan minimum-snap trajectories that stay out of each other's downwash, certified for every t."""
+"""Plan minimum-snap trajectories that keep vehicles out of each other's downwash, proven for every time t."""
 
 import argparse
 import sys
@@ -63,7 +63,10 @@ def parser() -> CommandLine:
         made, "print cost and proof as JSON (other text then goes to standard error), or write them to FILE"
     )
     made.add_argument(
-        "--avoid", action=argparse.BooleanOptionalAction, default=True, help="stay out of the zone"
+        "--avoid",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="change trajectories to keep vehicles out of each other's zone (default)",
     )
     made.add_argument(
         "--within",
@@ -73,13 +76,14 @@ def parser() -> CommandLine:
         help="box that all vehicles stay within, proven for every t: smallest and largest x, y, z [m]",
     )
     made.add_argument(
-        "--initial-guesses", type=int, default=2, help="initial guesses that the search tries (default 2)"
+        "--initial-guesses", type=int, default=2, help="number of initial guesses of the search (default 2)"
     )
     made.add_argument("--warm-start", type=Path, metavar="PLAN", help="start the search from this plan")
     made.add_argument(
         "--reading",
         choices=("stop_and_go", "free"),
-        help="reading of eq. (17), in place of the file's (if it names none: stop_and_go)",
+        help="stop at every waypoint (stop_and_go), or pass through (free); in place of the file's (default "
+        "stop_and_go)",
     )
     _add_further_files(made)
     _add_zone(made)
@@ -91,29 +95,39 @@ def parser() -> CommandLine:
 def _add_further_files(made: CommandLine) -> None:
     made.add_argument("--csv", type=output_file, help="write setpoints at 100 Hz to this file")
     made.add_argument(
-        "--upload", type=output_folder, help="write <name>.csv for Crazyswarm2's upload into this folder"
+        "--upload",
+        type=output_folder,
+        help="write a file <name>.csv per vehicle into this folder, for Crazyswarm2's trajectory upload",
     )
     made.add_argument(
         "--figures",
         type=output_folder,
-        help="draw Figs 10 to 13 and a 3-D view of plan and zone into this folder",
+        help="write figures of the plan (the paper's Figs 10 to 13) and a 3-D view with the zone into this "
+        "folder",
     )
 
 
 def _add_zone(made: CommandLine) -> None:
     zone = made.add_argument_group("zone")
-    zone.add_argument("--shape", choices=("cylinder", "ellipsoid"), help="default: cylinder")
+    zone.add_argument(
+        "--shape", choices=("cylinder", "ellipsoid"), help="shape of the zone (default: cylinder)"
+    )
     zone.add_argument("--eps", type=float, help="radius of the zone [m] (default 0.1)")
     zone.add_argument("--d", type=float, help="half height of the zone [m] (default 1.1)")
     zone.add_argument(
         "--model",
-        help="zone of this interaction model, in place of a cylinder: a shipped name or a .q2q file",
+        help="use the zone of this interaction model, a shipped name or a .q2q file, in place of --eps and "
+        "--d",
     )
     zone.add_argument(
-        "--threshold", type=positive_number, help="with --model: zone where its downwash exceeds this [m/s^2]"
+        "--threshold",
+        type=positive_number,
+        help="with --model: the zone is where the downwash exceeds this [m/s^2]",
     )
     zone.add_argument(
-        "--cut", type=float, help="with --model: zone that avoids this share of the height error"
+        "--cut",
+        type=float,
+        help="with --model: the zone is large enough to avoid this fraction of the height error",
     )
 
 
@@ -123,30 +137,39 @@ def _add_risk(made: CommandLine) -> None:
         "--risk",
         type=float,
         metavar="ALPHA",
-        help="zone by the probability that a vehicle leaves its tube, or meets downwash beyond its thrust "
-        "(--model, default measured_law), in a flight",
+        help="zone such that, with a probability of at most ALPHA in a flight, a vehicle leaves its tube or "
+        "meets "
+        "downwash beyond its thrust margin (downwash by --model, default measured_law)",
     )
     risk.add_argument(
         "--tube",
         type=float,
         nargs=2,
         metavar=("HORIZONTAL", "VERTICAL"),
-        help="largest tracking error in a flight [m]",
+        help="largest tracking error in a flight, horizontal and vertical [m]",
     )
-    risk.add_argument("--tube-risk", type=float, help="probability to leave the tube (default ALPHA / 2)")
     risk.add_argument(
-        "--hold", type=float, help="downwash that the thrust holds [m/s^2] (default: all but 1 m/s^2 of it)"
+        "--tube-risk", type=float, help="probability that a vehicle leaves its tube (default ALPHA / 2)"
     )
-    risk.add_argument("--touch", type=float, help="distance at which two vehicles touch [m] (default 0.14)")
+    risk.add_argument(
+        "--hold",
+        type=float,
+        help="downwash that the thrust can carry [m/s^2] (default: the thrust margin minus 1 m/s^2)",
+    )
+    risk.add_argument(
+        "--touch", type=float, help="distance between centres at which two vehicles touch [m] (default 0.14)"
+    )
 
 
 def _add_limits(made: CommandLine) -> None:
     limits = made.add_argument_group(
-        "limits, used to time waypoints without t: a way around a zone may exceed speed and acceleration"
+        "limits, used to compute the times of waypoints without t; a path around a zone may exceed "
+        "speed and acceleration"
     )
     limits.add_argument(
         "--vehicle",
-        help=f"one of {', '.join(VEHICLES)}, in place of the file's (if it names none: {DEFAULT_VEHICLE})",
+        help=f"vehicle type, in place of the file's ({DEFAULT_VEHICLE} if it names none): one of "
+        f"{', '.join(VEHICLES)}",
     )
     limits.add_argument("--speed", type=float, default=2.0, help="largest speed [m/s]")
     limits.add_argument("--acceleration", type=float, default=2.0, help="largest acceleration [m/s^2]")
@@ -154,7 +177,9 @@ def _add_limits(made: CommandLine) -> None:
         "--tilt",
         type=float,
         default=TILT_MAX,
-        help="largest tilt of the thrust, with t as well: `tilt_max` of the controllers (default 0.35 rad)",
+        help="largest tilt of the thrust [rad], also checked for waypoints with t; as `tilt_max` of the "
+        "controllers "
+        "(default 0.35)",
     )
 
 

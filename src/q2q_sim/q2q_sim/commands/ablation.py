@@ -1,7 +1,7 @@
-"""Compare controllers with air models of other flights than their interaction models: plot, tables.
+"""Compare controllers in air models that were learned from other flights than their interaction models.
 
-Models are learned from the flights of Q2Q_DATA (docs/real_flights.md) unless --json has them already, as
-docs/ablation.json has.
+Writes a page with a plot and tables. The models are learned from the flights of the folder Q2Q_DATA
+(docs/real_flights.md), unless the file --json contains them already, as docs/ablation.json does.
 """
 
 import sys
@@ -32,24 +32,34 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("ablation", __doc__, EXAMPLE)
     made.add_argument(
-        "--draws", type=whole_number(1, 5), default=4, metavar="N", help="draws with each model, 1 to 5"
+        "--draws",
+        type=whole_number(1, 5),
+        default=4,
+        metavar="N",
+        help="number of random draws with each model, 1 to 5 (default 4)",
     )
     made.add_argument(
         "--json",
         type=output_file,
         required=True,
         metavar="FILE",
-        help="file of numbers; flights in it are not repeated",
+        help="file of results; flights that it contains are not repeated",
     )
     made.add_argument(
-        "--out", type=output_file, required=True, metavar="FILE", help="page to write (.md); plot next to it"
+        "--out",
+        type=output_file,
+        required=True,
+        metavar="FILE",
+        help="page to write (.md); the plot is written next to it",
     )
-    made.add_argument("--jobs", type=whole_number(1), default=1, metavar="N", help="parallel flights")
     made.add_argument(
-        TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
+        "--jobs", type=whole_number(1), default=1, metavar="N", help="number of parallel flights (default 1)"
     )
-    made.add_argument("--only", nargs="+", metavar="PATHS", help="fly only these paths")
-    made.add_argument("--airs", nargs="+", metavar="AIR", help="fly only with these air models")
+    made.add_argument(
+        TABLE_ONLY, action="store_true", help="write the page from the results in --json, without flying"
+    )
+    made.add_argument("--only", nargs="+", metavar="PATHS", help="fly only these paths (scenarios)")
+    made.add_argument("--airs", nargs="+", metavar="AIR", help="fly only in these air models")
     made.add_argument("--controllers", nargs="+", metavar="NAME", help="fly only these controllers")
     return made
 

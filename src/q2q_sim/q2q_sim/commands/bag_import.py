@@ -34,19 +34,25 @@ def parser() -> CommandLine:
         "flight",
         type=Path,
         nargs="+",
-        help="one .parquet or .csv (t, then <vehicle>_x ... or x ...), or one micro-SD log for each vehicle",
+        help="one table (.parquet or .csv with columns t and <vehicle>_x ... or x ...), or one micro-SD log "
+        "per vehicle",
     )
     made.add_argument(
-        "--columns", type=Path, metavar="FILE", help="YAML: names and units of other columns or log variables"
+        "--columns",
+        type=Path,
+        metavar="FILE",
+        help="YAML file with the names and units of columns or log variables that differ",
     )
     made.add_argument(
-        "--names", metavar="A,B", help="vehicles of the logs; default: file names up to the last _number"
+        "--names",
+        metavar="A,B",
+        help="names of the logs' vehicles; default: file names up to the last _number",
     )
     made.add_argument(
-        "--vehicle", default="", choices=tuple(VEHICLES), help="vehicle that flew, for the bag's metadata"
+        "--vehicle", default="", choices=tuple(VEHICLES), help="vehicle type, for the bag's metadata"
     )
     made.add_argument(
-        "--out", type=Path, required=True, metavar="BAG", help="folder to write; must not exist"
+        "--out", type=Path, required=True, metavar="BAG", help="bag folder to write, which must not exist"
     )
     return made
 

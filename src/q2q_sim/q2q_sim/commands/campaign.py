@@ -1,12 +1,12 @@
 """Fly random faults in random scenarios and check every flight: `campaign --runs N`.
 
-A run is a seed. Finished runs are kept in a file of JSON lines, from which an interrupted campaign resumes;
-a violation prints its seed and keeps its bag, its scenario and a replay page. The exit status is 1 if any
-policy is violated.
+Each run is determined by its seed. Finished runs are stored as JSON lines, from which an interrupted campaign
+resumes. If a flight violates a safety policy, its seed is printed, and its bag, its scenario and a replay
+page are kept. The exit status is 1 if any policy is violated.
 
-With --guided, an optimiser searches for the faults that leave the policies the least margin; a violation is
-reduced to the fewest faults and kept as a case file, which --case flies again, and a replay page. The same
-search is measured on seeded bugs, compared with random faults.
+With --guided, an optimiser searches for the faults with the smallest margin to a violation. A violation is
+reduced to as few faults as possible and kept as a case file, which --case flies again, with a replay page.
+The search is also measured on seeded bugs, in comparison with random faults.
 """
 
 import sys
@@ -82,26 +82,35 @@ def parser() -> CommandLine:
     made.add_argument(
         "--seed", type=whole_number(0), default=0, help="seed of the first run; the others follow it"
     )
-    made.add_argument("--engine", choices=ENGINES, default="local", help="engine of parallel runs")
+    made.add_argument(
+        "--engine",
+        choices=ENGINES,
+        default="local",
+        help="where parallel runs are executed: on this machine (local), or by a Dask cluster (dask)",
+    )
     made.add_argument(
         "--out",
         type=output_folder,
-        help=f"folder of runs and bags (default {OUT}; of the page of a --case, default next to it)",
+        help=f"folder of runs and bags (default {OUT}); with --case: folder of the page (default: that of "
+        "the file)",
     )
     made.add_argument(
         "--air",
         default="",
-        help="air in place of wake and disturbance: a shipped name, a .air file or module:Class"
-        " (runs of another air need another --out)",
+        help="air model, in place of wake and disturbance: a shipped name, a .air file or module:Class"
+        " (for another air model, give another --out)",
     )
     made.add_argument("--guided", action="store_true", help="search for the faults with the smallest margin")
     made.add_argument(
         "--bug-runs",
         type=whole_number(0),
         default=80,
-        help="guided: runs of each search for each of the 20 seeded bugs; 0 leaves them out (default 80)",
+        help="with --guided: runs of each search for each of the 20 seeded bugs; 0: no seeded bugs (default "
+        "80)",
     )
-    made.add_argument("--case", type=Path, help="fly this case file again, with --out only")
+    made.add_argument(
+        "--case", type=Path, help="fly this case file again; of the other options only --out applies"
+    )
     made.add_argument("--json", type=output_file, help="write the totals to this file")
     return made
 

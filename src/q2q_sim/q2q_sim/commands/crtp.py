@@ -35,17 +35,35 @@ def parser() -> CommandLine:
     made.add_argument(
         "--port", type=whole_number(0, 65535), default=19850, help="first UDP port; 0 lets the system choose"
     )
-    made.add_argument("--start", default="ground", choices=("ground", "air"), help="start of the vehicles")
     made.add_argument(
-        "--positioning", default="deck", choices=("deck", "flow", "external"), help="source of positions"
+        "--start",
+        default="ground",
+        choices=("ground", "air"),
+        help="on the ground below the first waypoint (default), or in the air at it",
     )
     made.add_argument(
-        "--zero-expires", action="store_true", help="let setpoints without thrust expire after 0.5 s"
+        "--positioning",
+        default="deck",
+        choices=("deck", "flow", "external"),
+        help="source of the vehicles' positions: a positioning deck (default), optical flow, or clients",
     )
     made.add_argument(
-        "--app", type=Path, metavar="DIR", help="folder written by export_app, whose app flies on board"
+        "--zero-expires",
+        action="store_true",
+        help="let setpoints of zero thrust expire after 0.5 s; the real firmware keeps them",
     )
-    made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
+    made.add_argument(
+        "--app",
+        type=Path,
+        metavar="DIR",
+        help="folder written by export_app, whose app runs in the simulated firmware",
+    )
+    made.add_argument(
+        "--firmware",
+        default="",
+        choices=FIRMWARES,
+        help="firmware, which determines thrust per PWM (default: the scenario's)",
+    )
     made.add_argument("--latency", type=float, default=0.0, help="latency of the link in each direction [s]")
     made.add_argument("--loss", type=float, default=0.0, help="fraction of packet transmissions lost")
     made.add_argument("--rate", type=float, default=0.0, help="packet rate of one radio [1/s]; 0 is no limit")

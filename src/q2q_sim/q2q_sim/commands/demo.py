@@ -1,11 +1,15 @@
-"""Fly one quadcopter over another three times: ignoring the downwash, aware of it, aware without the limit.
+"""Fly one quadcopter over another three times, and compare the errors.
 
-The flight is that of the paper's sections 5.1 and 5.2 (scenario table6): Q1 hovers at 1.5 m, Q2 passes 0.5 m
-above it. The table has the values of the paper's Table 6 for comparison. The last line is the verdict on each
-flight; the exit status is 1 if one is not ok. Ignoring the downwash, Q1 sags without contact, which is ok.
+The controller ignores the downwash in the first flight, compensates it in the second, and compensates it
+without the thrust limit in the third.
 
---real begins with recorded flights: a model is fitted to them, scored on flights left out of the fit, and
-flown in air learned from other real flights.
+The flight is that of the paper's sections 5.1 and 5.2 (scenario table6): cf1 (the paper's Q1) hovers at 1.5
+m, cf2 (Q2) passes 0.5 m above it. The table has the values of the paper's Table 6 for comparison. The last
+line is the verdict on each flight; the exit status is 1 if one is not ok. Without compensation cf1 sinks, but
+does not touch anything, which counts as ok.
+
+With --real a model is fitted to recorded flights, scored on flights left out of the fit, and flown with an
+air model learned from other real flights.
 """
 
 import sys
@@ -49,11 +53,12 @@ def parser() -> CommandLine:
         nargs="*",
         type=Path,
         metavar="FLIGHT",
-        help="begin with recorded flights: bags, tables (.parquet, .csv) or folders of them; by default "
-        "those of Q2Q_DATA, or the simulated ones in bags/",
+        help="use recorded flights: bags, tables (.parquet, .csv) or folders of them; without a value, those "
+        "of "
+        "the folder Q2Q_DATA, or the simulated ones in bags/",
     )
     made.add_argument("--out", type=output_folder, default=Path("out/demo"), help="output folder")
-    made.add_argument("--json", type=output_file, help="write the numbers to this file")
+    made.add_argument("--json", type=output_file, help="write the metrics to this file")
     return made
 
 

@@ -1,7 +1,8 @@
-"""Fly many vehicles for long, and report whether memory, handles, threads, bag and clock stay flat.
+"""Fly many vehicles for a long time, and report whether memory, handles, threads, bag or clock drift.
 
-In lockstep the flight is as fast as the machine allows; with --live it takes its time, and the clock is
-compared with the wall clock as well. The exit status is 1 unless every quantity is flat.
+By default the flight runs in lockstep, as fast as the machine allows. With --live it runs at wall time, and
+the flight's clock is compared with the wall clock, too. The exit status is 1 unless every quantity stays
+constant.
 """
 
 import sys
@@ -37,12 +38,18 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("endurance", __doc__, EXAMPLE)
     made.add_argument(
-        "--minutes", type=finite_number, default=60.0, metavar="M", help="duration of the flight (default 60)"
+        "--minutes",
+        type=finite_number,
+        default=60.0,
+        metavar="M",
+        help="duration of the flight [min] (default 60)",
     )
     made.add_argument(
         "--vehicles", type=whole_number(1), default=10, metavar="N", help="number of vehicles (default 10)"
     )
-    made.add_argument("--live", action="store_true", help="100 Hz of wall time, every node a process")
+    made.add_argument(
+        "--live", action="store_true", help="fly at 100 Hz of wall time, with a process for each node"
+    )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     return made
 

@@ -1,7 +1,8 @@
-"""Replay recorded flights through the mocap filter and the firmware's estimator, and compare their positions.
+"""Replay recorded flights through the mocap filter and the firmware's estimator, and compare their errors.
 
-Motion capture is given whole, at 10 Hz, with 30 % of its samples lost, and without 1 s in every 4; estimates
-are compared with samples that were not given. Give flights of one vehicle.
+Both get motion capture in four conditions: complete, at 10 Hz, with 30 % of the samples lost, and without 1 s
+in every 4 s. Estimates are compared with samples that the estimators did not get. Give flights of one
+vehicle.
 """
 
 import sys
@@ -45,7 +46,7 @@ def parser() -> CommandLine:
         type=whole_number(1),
         default=3,
         metavar="N",
-        help="draws of degradations and sensor errors (default 3)",
+        help="number of random draws of lost samples and sensor errors (default 3)",
     )
     made.add_argument("--each", action="store_true", help="print the medians of every flight as well")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")

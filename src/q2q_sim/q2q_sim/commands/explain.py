@@ -1,8 +1,8 @@
-"""Explain a simulated flight: which causes took a vehicle off its path, and by how much each.
+"""Explain a simulated flight: which causes moved a vehicle away from its path, and by how much each.
 
-The flight of the bag is flown again, then with its causes taken out one after the other: downwash, battery
+The flight of the bag is flown again, then repeated with one cause after another removed: downwash, battery
 and saturation, motion capture, latency, lost messages, control, wind. --score counts how often the known
-first cause of simulated accidents is named first.
+cause of a simulated accident is named first.
 """
 
 import sys
@@ -55,29 +55,41 @@ def parser() -> CommandLine:
     made = CommandLine("explain", __doc__, EXAMPLE)
     made.add_argument("bag", nargs="?", type=Path, metavar="BAG", help="bag of `fly` or `campaign`")
     made.add_argument(
-        "--out", type=output_folder, metavar="FOLDER", help="folder for the page and its picture"
+        "--out", type=output_folder, metavar="FOLDER", help="folder to write the page and its figure to"
     )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
-    made.add_argument("--of", choices=("distance", "height"), default="distance", help="loss that is split")
+    made.add_argument(
+        "--of",
+        choices=("distance", "height"),
+        default="distance",
+        help="deviation to explain: distance from the setpoint (default), or height error",
+    )
     made.add_argument(
         "--orders",
         type=whole_number(1),
         default=8,
         metavar="N",
-        help=f"orders in which causes are taken out, an even number of {FEWEST_ORDERS} or more (default 8)",
+        help=f"number of orders in which causes are removed, even, {FEWEST_ORDERS} or more (default 8)",
     )
     made.add_argument(
         "--draws",
         type=whole_number(1),
         default=3,
         metavar="N",
-        help="draws of noise, losses and gusts (default 3)",
+        help="number of random draws of noise, losses and gusts (default 3)",
     )
     made.add_argument(
-        "--score", type=whole_number(1), metavar="N", help="explain N accidents of known cause instead"
+        "--score",
+        type=whole_number(1),
+        metavar="N",
+        help="explain N simulated accidents of known cause instead of a bag",
     )
     made.add_argument(
-        "--seed", type=whole_number(0), default=0, metavar="N", help="first seed of the score (default 0)"
+        "--seed",
+        type=whole_number(0),
+        default=0,
+        metavar="N",
+        help="with --score: first seed of the accidents (default 0)",
     )
     return made
 

@@ -1,6 +1,6 @@
-"""Compare the emulated firmware with tables of the real one: `firmware_check FOLDER`.
+"""Compare the emulated firmware with tables computed by the real one: `firmware_check FOLDER`.
 
-The exit status is 1 if a figure is out of its tolerance. FOLDER has controllers.csv, planner.csv,
+The exit status is 1 if a difference exceeds its tolerance. FOLDER contains controllers.csv, planner.csv,
 supervisor.csv, mixer.csv and compensation.csv, computed with the firmware's own C code.
 """
 

@@ -108,17 +108,21 @@ def _add_blocks(made: CommandLine) -> None:
         action="store_true",
         help="with --controller mpc: one MPC node for each vehicle; they exchange predictions",
     )
-    _either(made, "aware", "ignoring", "compensate the downwash (default), or ignore it", default=True)
+    _either(
+        made,
+        ("aware", "compensate the predicted downwash (default)"),
+        ("ignoring", "do not compensate the downwash"),
+        default=True,
+    )
     made.add_argument(
         "--correct",
         action="store_true",
-        help="correct the predicted downwash by positions and accelerometers",
+        help="correct the predicted downwash by measured positions and accelerometers",
     )
     _either(
         made,
-        "limit",
-        "no-limit",
-        "apply the scenario's thrust limit (default), or only the vehicle's",
+        ("limit", "limit thrust as the scenario does (default)"),
+        ("no-limit", "limit thrust only as the vehicle does"),
         default=True,
     )
     made.add_argument(
@@ -127,31 +131,31 @@ def _add_blocks(made: CommandLine) -> None:
         const="paper",
         default="none",
         choices=REPLANNERS,
-        help="online replanner (--replan alone: paper)",
+        help="online replanner: none (default), the paper's potential field, or the safe replanner; without a"
+        " value: paper",
     )
-    made.add_argument("--no-replan", dest="replan", action="store_const", const="none", help="--replan none")
+    made.add_argument(
+        "--no-replan", dest="replan", action="store_const", const="none", help="no online replanner (default)"
+    )
     made.add_argument(
         "--plan",
         default="none",
         choices=("none", "avoid"),
-        help="plan around the model's downwash, or not",
+        help="avoid: plan trajectories around the downwash of the model; none (default): keep the waypoints",
     )
 
 
 def _add_process(made: CommandLine) -> None:
     _either(
         made,
-        "live",
-        "lockstep",
-        "100 Hz of wall time, or as fast as commands arrive (default)",
+        ("live", "fly at 100 Hz of wall time"),
+        ("lockstep", "fly as fast as commands arrive (default)"),
         default=False,
     )
     _either(
         made,
-        "stack",
-        "no-stack",
-        "filter, model, planner and controller in one process (default in lockstep: faster, with the same"
-        " numbers), or each in its own (default live)",
+        ("stack", "run the nodes in one process (default with --lockstep: faster, with the same numbers)"),
+        ("no-stack", "run each node in its own process (default with --live)"),
         default=None,
     )
 
@@ -161,24 +165,26 @@ def _add_physics(made: CommandLine) -> None:
     made.add_argument(
         "--model",
         default="",
-        help="interaction model: none (a file's default), a shipped name, or a .q2q file",
+        help="interaction model of the controller, in place of the file's: none, a shipped name, or a .q2q "
+        "file",
     )
     made.add_argument(
         "--vehicle",
         default="",
         choices=tuple(VEHICLES),
-        help=f"vehicle, in place of the file's (a file that names none: {DEFAULT_VEHICLE})",
+        help=f"vehicle type, in place of the file's ({DEFAULT_VEHICLE} if the file names none)",
     )
     made.add_argument(
         "--wake",
         default="",
         choices=WAKES,
-        help="simulated wake, in place of the file's (a file that names none: none)",
+        help="simulated downwash, in place of the file's (none if the file names none)",
     )
     made.add_argument(
         "--air",
         default="",
-        help="air in place of the file's wake and disturbance: a shipped name, a .air file, or module:Class",
+        help="air model, in place of the file's wake and disturbance: a shipped name, a .air file, or "
+        "module:Class",
     )
     made.add_argument(
         "--air-without",
@@ -191,27 +197,34 @@ def _add_physics(made: CommandLine) -> None:
 
 
 def _add_output(made: CommandLine) -> None:
-    made.add_argument("--bag", type=output_folder, help="folder for the bag (default: not kept)")
+    made.add_argument(
+        "--bag", type=output_folder, help="folder to write the bag to (default: no bag is kept)"
+    )
     made.add_argument(
         "--record",
         nargs="+",
         default=[],
         choices=(*TOPICS, DISTRIBUTED_TOPIC),
         metavar="TOPIC",
-        help="topics for the bag beside those of numbers and verdict (default: all; without --bag none)",
+        help="topics to record in addition to those that metrics and verdict need (default: all; without "
+        "--bag: none)",
     )
-    made.add_argument("--json", type=output_file, help="write the numbers to this file")
+    made.add_argument("--json", type=output_file, help="write the metrics to this file")
     made.add_argument(
         "--real",
         metavar="FLIGHT",
-        help="replay a recorded flight of Q2Q_DATA instead; its picture goes to out/real",
+        help="replay a recorded flight of the folder Q2Q_DATA instead of a scenario; its figure is written to"
+        " out/real",
     )
 
 
-def _either(made: argparse.ArgumentParser, yes: str, no: str, text: str, *, default: bool | None) -> None:
+def _either(
+    made: argparse.ArgumentParser, yes: tuple[str, str], no: tuple[str, str], *, default: bool | None
+) -> None:
+    """Add two options that exclude each other, each a name and its help."""
     group = made.add_mutually_exclusive_group()
-    group.add_argument(f"--{yes}", action="store_true", default=default, help=text)
-    group.add_argument(f"--{no}", dest=yes, action="store_false", help=f"not --{yes}")
+    group.add_argument(f"--{yes[0]}", action="store_true", default=default, help=yes[1])
+    group.add_argument(f"--{no[0]}", dest=yes[0], action="store_false", help=no[1])
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Learn the air model of a room from recorded flights, for the simulator, not for controllers.
+"""Learn an air model for the simulator from recorded flights; it is not an interaction model for controllers.
 
-Each value is printed with its 95 % interval, the rows it was learned from and where they are. A term that the
-flights do not determine is left out, and named.
+Each value is printed with its 95 % interval, and with the number and location of the samples it was learned
+from. Terms that the flights do not determine are omitted, and listed.
 """
 
 import sys
@@ -39,7 +39,9 @@ def parser() -> CommandLine:
     made.add_argument(
         "--out", type=output_file, required=True, metavar="FILE", help="air model to write (.air)"
     )
-    made.add_argument("--json", type=output_file, metavar="FILE", help="file of values, intervals and checks")
+    made.add_argument(
+        "--json", type=output_file, metavar="FILE", help="file to write values, intervals and checks to"
+    )
     add_recording_options(made)
     return made
 

@@ -1,10 +1,11 @@
-"""Fly an unmodified program for Crazyflies against emulated vehicles under faults, and judge it.
+"""Test an unmodified program for Crazyflies: fly it with emulated vehicles, without and with injected faults.
 
-The program uses cflib, or crazyflie_py of Crazyswarm2, for which there is a stand-in; every URI that it opens
-is an emulated vehicle on the floor. Without faults it must fly and end safely; then it is flown with one
-fault each: radio, motion capture, battery, arming, downwash.
-Exits with 0 if every flight passes, 1 if one fails, 2 if the command line is wrong, or if none fails and the
-simulator failed in one. Options of the program come after `--`.
+The program uses cflib, or crazyflie_py of Crazyswarm2, which is replaced by a substitute of the same
+interface. Every URI that it opens is an emulated vehicle that stands on the floor. It must fly and end safely
+without faults, then in one flight for each fault: radio, motion capture, battery, arming, downwash.
+
+The exit status is 0 if every flight passes, 1 if one fails, and 2 if the command line is wrong or if no
+flight fails but the simulator failed in one. Options of the program come after `--`.
 """
 
 import math
@@ -92,7 +93,7 @@ def _check_partners(args: Namespace) -> None:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("licence", __doc__, EXAMPLE)
-    made.add_argument("script", nargs="?", type=Path, metavar="SCRIPT", help="the program")
+    made.add_argument("script", nargs="?", type=Path, metavar="SCRIPT", help="Python file of the program")
     made.add_argument("arguments", nargs="*", metavar="ARGUMENT", help="arguments of the program, after --")
     _add_vehicles(made)
     made.add_argument(
@@ -101,11 +102,11 @@ def parser() -> CommandLine:
         type=float,
         default=[6.0, 6.0, 2.5],
         metavar=("X", "Y", "Z"),
-        help="size of the room, its floor centred on the origin [m] (default 6 6 2.5)",
+        help="size of the room [m], whose floor is centred on the origin (default 6 6 2.5)",
     )
     made.add_argument("--air", default="room", help="air model of the flights (default room)")
     made.add_argument(
-        "--limit", type=float, default=300.0, metavar="S", help="longest flight [s] (default 300)"
+        "--limit", type=float, default=300.0, metavar="S", help="time limit of a flight [s] (default 300)"
     )
     made.add_argument("--seed", type=whole_number(0), default=0, help="random seed")
     made.add_argument(
@@ -113,15 +114,20 @@ def parser() -> CommandLine:
         type=whole_number(1, MOST_JOBS),
         default=2,
         metavar="N",
-        help="flights at a time (default 2)",
+        help="number of parallel flights (default 2)",
     )
-    made.add_argument("--out", type=output_folder, metavar="FOLDER", help="folder for the page")
+    made.add_argument("--out", type=output_folder, metavar="FOLDER", help="folder to write the page to")
     made.add_argument("--junit", type=output_file, metavar="FILE", help="file to write JUnit XML to")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the findings to")
     made.add_argument(
-        "--score", type=Path, metavar="FOLDER", help="judge the programs with known bugs of a folder instead"
+        "--score",
+        type=Path,
+        metavar="FOLDER",
+        help="test all programs of a folder, whose bugs are known, instead of SCRIPT",
     )
-    made.add_argument("--only", nargs="+", default=[], metavar="NAME", help="programs of the score to judge")
+    made.add_argument(
+        "--only", nargs="+", default=[], metavar="NAME", help="with --score: test only these programs"
+    )
     return made
 
 
@@ -134,14 +140,18 @@ def _add_vehicles(made: CommandLine) -> None:
         default=[],
         type=finite_number,
         metavar=("X", "Y", "YAW"),
-        help="start of each vehicle in turn, by URI [m, deg]; default: rows along y, 1 m apart",
+        help="start position and yaw of a vehicle [m, deg]; repeat it for each, ordered by URI; default: rows"
+        " along y, "
+        "1 m apart",
     )
     made.add_argument(
         "--scan",
         type=whole_number(0, MOST_SCANNED),
         default=0,
         metavar="N",
-        help="vehicles of a scan, or of Crazyswarm2 without --crazyflies (default: those of --start)",
+        help="number of vehicles that a scan of the program finds, or that Crazyswarm2 has without "
+        "--crazyflies "
+        "(default: one for each --start)",
     )
     made.add_argument(
         "--crazyflies",
@@ -149,7 +159,9 @@ def _add_vehicles(made: CommandLine) -> None:
         metavar="FILE",
         help="crazyflies.yaml of Crazyswarm2: names, URIs, starts and parameters of the vehicles",
     )
-    made.add_argument("--arming", action="store_true", help="the vehicles do not arm themselves")
+    made.add_argument(
+        "--arming", action="store_true", help="vehicles do not arm themselves: the program must arm them"
+    )
 
 
 if __name__ == "__main__":

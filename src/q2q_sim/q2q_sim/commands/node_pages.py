@@ -1,7 +1,7 @@
 """Write a page for each node into docs/nodes: topics, types, qualities of service, services, parameters.
 
-The text is the docstring of the node's module, the rest is what the node declares. `--images` draws the
-pictures of the documentation.
+The text of a page is the docstring of the node's module; the tables are what the node declares. `--images`
+draws the figures of the documentation.
 """
 
 import sys

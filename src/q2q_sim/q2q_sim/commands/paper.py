@@ -1,7 +1,7 @@
-"""Reproduce every table and figure of the paper with the project's own flights, next to its numbers.
+"""Reproduce every table and figure of the paper with simulated flights, next to the paper's numbers.
 
-Finished experiments are cached in OUT/cache and not run again until the code changes; interrupted runs
-resume.
+Results of finished experiments are stored in OUT/cache, and used until the code changes. An interrupted run
+resumes.
 """
 
 import sys
@@ -35,14 +35,19 @@ def _prepare(args: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("paper", __doc__, EXAMPLE)
-    made.add_argument("--only", default="", metavar="LIST", help="tables and figures, as table6,fig10")
     made.add_argument(
-        "--out", type=output_folder, default=Path("out/paper"), help="folder of page, PDF, pictures"
+        "--only", default="", metavar="LIST", help="only these tables and figures, for example table6,fig10"
+    )
+    made.add_argument(
+        "--out",
+        type=output_folder,
+        default=Path("out/paper"),
+        help="folder to write page, PDF and figures to",
     )
     add_printed_json(
         made, "print the rows as JSON (other text then goes to standard error), or write them to FILE"
     )
-    made.add_argument("--again", action="store_true", help="run finished experiments again")
+    made.add_argument("--again", action="store_true", help="run all experiments again, also finished ones")
     return made
 
 

@@ -1,6 +1,7 @@
 """Check recorded flights against the safety policies: `policies BAG...`.
 
-The exit status is 1 if a policy is violated, 2 if a bag cannot be read or has nothing to judge, else 0.
+The exit status is 0 if no policy is violated, 1 if one is, and 2 if a bag cannot be read or contains nothing
+that can be checked.
 """
 
 import sys
@@ -37,9 +38,11 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("policies", __doc__, EXAMPLE)
     made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
-    made.add_argument("--scenario", default="", help="scenario, for its faults in place of the bag's")
     made.add_argument(
-        "--vehicle", default="", help=f"vehicle, in place of the bag's: one of {', '.join(VEHICLES)}"
+        "--scenario", default="", help="scenario whose injected faults are used in place of those in the bag"
+    )
+    made.add_argument(
+        "--vehicle", default="", help=f"vehicle type, in place of the bag's: one of {', '.join(VEHICLES)}"
     )
     made.add_argument("--json", action="store_true", help="print the violations as JSON")
     return made

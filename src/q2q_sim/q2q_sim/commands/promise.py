@@ -1,9 +1,10 @@
-"""Fly random encounters with full dynamics and judge the safe replanner's promise about vehicles.
+"""Test the separation guarantee of the safe replanner in random encounters with simulated dynamics.
 
-Flight k is made from seed k: 2 to 10 Crazyflies on paths that cross, in an air learned from real flights,
-with delays and lost packets. --learn writes the tube of tracking error of these flights (a new flight stays
-within it with probability 1 - alpha), --tube flies with one and counts the flights that leave it. The exit
-status is 1 if a vehicle entered another's zone in a flight that began under the conditions of the promise.
+Flight k is drawn from seed k: 2 to 10 Crazyflies on crossing paths, in an air model learned from real
+flights, with delays and lost packets. --learn writes the tube of tracking errors of these flights, which a
+new flight does not leave with probability 1 - alpha. --tube flies with such a tube, and counts the flights
+that leave it. The exit status is 1 if a vehicle entered another's zone in a flight that began under the
+conditions of the guarantee.
 """
 
 import sys
@@ -45,37 +46,50 @@ def parser() -> CommandLine:
         "--count", type=whole_number(1), default=100, metavar="N", help="number of flights (default 100)"
     )
     made.add_argument(
-        "--first", type=whole_number(0), default=0, metavar="SEED", help="seed of the first one (default 0)"
+        "--first",
+        type=whole_number(0),
+        default=0,
+        metavar="SEED",
+        help="seed of the first flight (default 0)",
     )
     made.add_argument(
-        "--jobs", type=whole_number(1), default=1, metavar="N", help="processes at once (default 1)"
+        "--jobs",
+        type=whole_number(1),
+        default=1,
+        metavar="N",
+        help="number of parallel processes (default 1)",
     )
     made.add_argument("--controller", choices=CONTROLLERS, default="pid", help="controller (default pid)")
     made.add_argument(
         "--air",
         default="room",
         metavar="AIR",
-        help="a shipped name, a .air file or module:Class (default room)",
+        help="air model: a shipped name, a .air file or module:Class (default room)",
     )
     made.add_argument(
-        "--jerk", type=float, metavar="J", help="largest jerk of a setpoint [m/s^3]; 0 does not bound it"
+        "--jerk", type=float, metavar="J", help="largest jerk of a replanned setpoint [m/s^3]; 0: no limit"
     )
     made.add_argument(
-        "--tube", type=Path, metavar="FILE", help="fly with this tube and count the flights that leave it"
+        "--tube",
+        type=Path,
+        metavar="FILE",
+        help="fly with the tube in this file, and count the flights that leave it",
     )
-    made.add_argument("--learn", type=output_file, metavar="FILE", help="write the tube of these flights")
+    made.add_argument(
+        "--learn", type=output_file, metavar="FILE", help="write the tube of these flights to this file"
+    )
     made.add_argument(
         "--alpha",
         type=float,
         default=0.05,
         metavar="A",
-        help="with --learn: share of flights outside the tube (default 0.05)",
+        help="with --learn: fraction of flights that may leave the tube (default 0.05)",
     )
     made.add_argument(
         "--keep",
         type=output_file,
         metavar="FILE",
-        help="keep finished flights there, as JSON lines, and resume from them",
+        help="store finished flights in this file, as JSON lines, and resume from it",
     )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     return made

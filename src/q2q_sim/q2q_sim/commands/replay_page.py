@@ -1,7 +1,7 @@
 """Write a page that replays flights in a browser: room, vehicles, downwash, motion capture, height curves.
 
-The page is one HTML file that needs no network. Several flights play side by side in step. What a flight does
-not record is left out, and the page says so.
+The page is one HTML file that needs no network. Several flights are played side by side, at the same time.
+What a flight did not record is omitted, and the page says so.
 """
 
 import sys
@@ -36,14 +36,18 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("replay_page", __doc__, EXAMPLE)
     made.add_argument(
-        "flights", nargs="+", type=Path, metavar="BAG", help="bag or table (.parquet, .csv), up to three"
+        "flights", nargs="+", type=Path, metavar="BAG", help="bags or tables (.parquet, .csv), up to three"
     )
     made.add_argument("--out", type=output_file, default=Path("out/replay.html"), help="file of the page")
     made.add_argument("--title", default="", help="title of the page; default: the flights' names")
-    made.add_argument("--start", type=float, default=0.0, metavar="S", help="first second that is replayed")
-    made.add_argument("--end", type=float, metavar="S", help="last second that is replayed")
     made.add_argument(
-        "--vehicle", default="", help=f"vehicle, in place of the bag's: one of {', '.join(VEHICLES)}"
+        "--start", type=float, default=0.0, metavar="S", help="start of the replay [s] (default 0)"
+    )
+    made.add_argument(
+        "--end", type=float, metavar="S", help="end of the replay [s] (default: that of the flight)"
+    )
+    made.add_argument(
+        "--vehicle", default="", help=f"vehicle type, in place of the bag's: one of {', '.join(VEHICLES)}"
     )
     made.add_argument(
         "--topics", type=Path, metavar="MAP.yaml", help="topic map of bags that q2q did not record"

@@ -1,6 +1,6 @@
-"""Report any recorded flight as one HTML page: tracking, downwash, commands, separation, mocap quality.
+"""Write an HTML page about a recorded flight: tracking, downwash, commands, separation, mocap quality.
 
-`report BAG --compare OTHER` overlays flights; the first is the reference of the comparison.
+`report BAG --compare OTHER` draws several flights in the same plots; BAG is the reference of the comparison.
 """
 
 import sys
@@ -33,17 +33,19 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("report", __doc__, "  ros2 run q2q_sim report out/demo/bags/aware")
     made.add_argument("bag", type=Path, help="bag folder of the flight")
-    made.add_argument("--compare", type=Path, nargs="+", default=[], help="further flights to overlay")
     made.add_argument(
-        "--vehicle", default="", help=f"vehicle, in place of the bag's: one of {', '.join(VEHICLES)}"
+        "--compare", type=Path, nargs="+", default=[], help="bags of further flights, drawn in the same plots"
+    )
+    made.add_argument(
+        "--vehicle", default="", help=f"vehicle type, in place of the bag's: one of {', '.join(VEHICLES)}"
     )
     made.add_argument(
         "--topics", type=Path, metavar="MAP.yaml", help="topic map of bags that q2q did not record"
     )
     made.add_argument(
-        "--out", type=output_folder, default=Path("out/report"), help="folder of page and pictures"
+        "--out", type=output_folder, default=Path("out/report"), help="folder to write page and figures to"
     )
-    made.add_argument("--json", type=output_file, help="write the numbers to this file")
+    made.add_argument("--json", type=output_file, help="write the metrics to this file")
     return made
 
 

@@ -1,7 +1,8 @@
-"""Compare corrected controllers with the same ones ignoring the downwash, under wrong assumptions.
+"""Compare controllers that correct the predicted downwash with the same ones without any compensation.
 
-The flights are those of 12 perturbations in each air, for pid and mpc: wrong model, wrong latency, silent
-accelerometers, an unseen neighbour, a weak battery, thrust at its limit for seconds.
+Each controller (pid, mpc) flies with 12 wrong assumptions in each air model: among them a wrong interaction
+model, a wrong latency, missing accelerometers, a neighbour that is not tracked, a weak battery, and thrust at
+its limit for seconds.
 """
 
 import sys
@@ -36,13 +37,13 @@ def _prepare(given: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("robustness", __doc__, EXAMPLE)
-    made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="air models to fly with")
+    made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="air models to fly in")
     made.add_argument(
         "--draws",
         type=whole_number(1, MOST_DRAWS),
         default=2,
         metavar="N",
-        help="draws in each flight, 1 to 25",
+        help="number of random draws of each flight, 1 to 25 (default 2)",
     )
     made.add_argument("--seed", type=whole_number(0), default=2001, metavar="N", help="seed of the flights")
     made.add_argument(
@@ -50,11 +51,11 @@ def parser() -> CommandLine:
         type=output_file,
         required=True,
         metavar="FILE",
-        help="file of numbers; flights in it are not repeated",
+        help="file of results; flights that it contains are not repeated",
     )
     made.add_argument("--out", type=output_file, required=True, metavar="FILE", help="page to write (.md)")
     made.add_argument(
-        TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
+        TABLE_ONLY, action="store_true", help="write the page from the results in --json, without flying"
     )
     return made
 

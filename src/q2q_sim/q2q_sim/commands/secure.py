@@ -1,8 +1,8 @@
-"""Set up DDS security: keys, and for each node only the topics and services that it uses.
+"""Set up DDS security: keys, and an access policy that allows each node only the topics and services it uses.
 
 Writes the access policy of all nodes and, with `ros2 security` (SROS2, of a sourced ROS 2), a keystore with
-an enclave for each. Permissions hold in the present ROS_DOMAIN_ID. Exits with 1 if the
-middleware of this machine has no security.
+an enclave for each node. The permissions are valid in the current ROS_DOMAIN_ID. The exit status is 1 if the
+middleware of this machine was built without security.
 """
 
 import sys
@@ -32,9 +32,11 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("secure", __doc__, EXAMPLE)
     made.add_argument(
-        "--keystore", type=Path, default=KEYSTORE, help="folder of the keystore, kept if it exists"
+        "--keystore", type=Path, default=KEYSTORE, help="folder of the keystore; an existing one is kept"
     )
-    made.add_argument("--vehicles", nargs="+", default=[], metavar="NAME", help="vehicles; default: any name")
+    made.add_argument(
+        "--vehicles", nargs="+", default=[], metavar="NAME", help="names of the vehicles; default: any name"
+    )
     made.add_argument(
         "--operators",
         nargs="+",
@@ -42,7 +44,9 @@ def parser() -> CommandLine:
         metavar="NAME",
         help="enclaves that may call all/emergency and the flight procedure",
     )
-    made.add_argument("--policy", type=Path, help="write the access policy to this file, and no keystore")
+    made.add_argument(
+        "--policy", type=Path, help="write only the access policy, to this file, and no keystore"
+    )
     return made
 
 

@@ -1,8 +1,8 @@
-"""Fly recorded flights again with an air model and compare their height errors with the recorded ones.
+"""Simulate recorded flights in an air model, and compare the height errors with the recorded ones.
 
-Each flight is flown along its recorded references by its own control law, which is read from its thrust
-commands. Give flights that the air was not learned from. The JSON has the same numbers as the page, under a
-wake and in clear air, for each flight and pooled.
+Each flight is simulated along its recorded references, with its own control law, which is identified from its
+thrust commands. Give flights that the air model was not learned from. The JSON has the same numbers as the
+page: under another vehicle and in clear air, for each flight and for all together.
 """
 
 import sys
@@ -52,18 +52,18 @@ def parser() -> CommandLine:
     made = CommandLine("validate", __doc__, EXAMPLE)
     add_recordings(made)
     made.add_argument(
-        "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
+        "--air", required=True, metavar="AIR", help="air model: a shipped name, a .air file or module:Class"
     )
     made.add_argument(
         "--draws",
         type=whole_number(FEWEST_DRAWS, MOST_DRAWS),
         default=20,
         metavar="N",
-        help="draws of each flight",
+        help="number of random draws of each flight (default 20)",
     )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     made.add_argument(
-        "--out", type=output_folder, metavar="FOLDER", help="folder for the page and its pictures"
+        "--out", type=output_folder, metavar="FOLDER", help="folder to write the page and its figures to"
     )
     add_recording_options(made)
     return made
