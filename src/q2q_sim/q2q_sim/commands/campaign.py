@@ -100,6 +100,13 @@ def parser() -> CommandLine:
         help="air model, in place of wake and disturbance: a shipped name, a .air file or module:Class"
         " (for another air model, give another --out)",
     )
+    _add_guided(made)
+    made.add_argument("--json", type=output_file, help="write the totals to this file")
+    return made
+
+
+def _add_guided(made: CommandLine) -> None:
+    """Add the options of a guided search and its case files."""
     made.add_argument("--guided", action="store_true", help="search for the faults with the smallest margin")
     made.add_argument(
         "--bug-runs",
@@ -111,8 +118,6 @@ def parser() -> CommandLine:
     made.add_argument(
         "--case", type=Path, help="fly this case file again; of the other options only --out applies"
     )
-    made.add_argument("--json", type=output_file, help="write the totals to this file")
-    return made
 
 
 if __name__ == "__main__":

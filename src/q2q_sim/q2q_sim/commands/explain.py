@@ -78,6 +78,12 @@ def parser() -> CommandLine:
         metavar="N",
         help="number of random draws of noise, losses and gusts (default 3)",
     )
+    _add_score(made)
+    return made
+
+
+def _add_score(made: CommandLine) -> None:
+    """Add the options of the score."""
     made.add_argument(
         "--score",
         type=whole_number(1),
@@ -91,7 +97,6 @@ def parser() -> CommandLine:
         metavar="N",
         help="with --score: first seed of the accidents (default 0)",
     )
-    return made
 
 
 if __name__ == "__main__":

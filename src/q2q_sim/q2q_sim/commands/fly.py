@@ -95,6 +95,7 @@ def parser() -> CommandLine:
     )
     made.add_argument("--list", action="store_true", help="list the scenarios")
     _add_blocks(made)
+    _add_planning(made)
     _add_process(made)
     _add_physics(made)
     _add_output(made)
@@ -125,6 +126,9 @@ def _add_blocks(made: CommandLine) -> None:
         ("no-limit", "limit thrust only as the vehicle does"),
         default=True,
     )
+
+
+def _add_planning(made: CommandLine) -> None:
     made.add_argument(
         "--replan",
         nargs="?",

@@ -69,6 +69,19 @@ def parser() -> CommandLine:
     made.add_argument(
         "--jerk", type=float, metavar="J", help="largest jerk of a replanned setpoint [m/s^3]; 0: no limit"
     )
+    _add_tube(made)
+    made.add_argument(
+        "--keep",
+        type=output_file,
+        metavar="FILE",
+        help="store finished flights in this file, as JSON lines, and resume from it",
+    )
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
+    return made
+
+
+def _add_tube(made: CommandLine) -> None:
+    """Add the options of the tube of tracking error."""
     made.add_argument(
         "--tube",
         type=Path,
@@ -85,14 +98,6 @@ def parser() -> CommandLine:
         metavar="A",
         help="with --learn: fraction of flights that may leave the tube (default 0.05)",
     )
-    made.add_argument(
-        "--keep",
-        type=output_file,
-        metavar="FILE",
-        help="store finished flights in this file, as JSON lines, and resume from it",
-    )
-    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
-    return made
 
 
 if __name__ == "__main__":
