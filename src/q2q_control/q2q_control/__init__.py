@@ -1,1 +1,1 @@
-"""Interaction-aware PID and MPC, failsafe, interfaces to Crazyflies."""
+"""PID and MPC that compensate downwash, failsafe, flight procedure, interfaces to Crazyflies."""

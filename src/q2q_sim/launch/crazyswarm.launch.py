@@ -1,7 +1,7 @@
 """Fly Crazyflies through Crazyswarm2: ros2 launch q2q_sim crazyswarm.launch.py plan:=FILE crazyflies:=FILE.
 
-Starts Crazyswarm2's server (its own launch file, without its GUI), the bridge and our nodes; with twin:=true
-the server talks to the simulator, whose vehicles listen at the udp:// URIs of crazyflies.yaml. Nothing moves
+Starts Crazyswarm2's server (its own launch file, no GUI), the bridge and the nodes of q2q. With twin:=true
+the server connects to the simulator, whose vehicles have the udp:// URIs of crazyflies.yaml. No vehicle moves
 before `/crazyswarm/take_off` is called.
 """
 

@@ -1,6 +1,7 @@
 """Fly Crazyflies in a real room: ros2 launch q2q_sim real_room.launch.py plan:=FILE crazyflies:=FILE.
 
-Motion capture comes from outside on the topic `mocap:=`. Nothing moves before `/radio/take_off` is called.
+Another node must publish motion capture on the topic `mocap:=`. No vehicle moves before `/radio/take_off` is
+called.
 """
 
 from launch import LaunchDescription

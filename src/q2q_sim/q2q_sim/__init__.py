@@ -1,1 +1,1 @@
-"""Simulation of vehicles, wake, radio and VICON; scenarios, flights, campaigns, reports."""
+"""Simulation of vehicles, downwash, radio and motion capture; scenarios, flights, campaigns, reports."""

@@ -1,1 +1,1 @@
-"""Command lines: what a user types, parsed and refused before anything heavy is imported."""
+"""Command lines: options and their checks, before anything slow is imported."""

@@ -1,1 +1,1 @@
-"""Failsafe: guard, fallback phases, flight without measurements, evasion."""
+"""Failsafe: guard, fallback phases, dead reckoning of vehicles that are not tracked, evasion."""

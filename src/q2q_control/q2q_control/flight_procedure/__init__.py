@@ -1,1 +1,1 @@
-"""The one procedure by which real vehicles fly: from the ground to the ground."""
+"""Flight procedure of real vehicles: checks, take-off, flight, landing."""

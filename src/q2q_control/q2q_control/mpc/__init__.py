@@ -1,1 +1,1 @@
-"""Model predictive control: the problem, what is predicted for it, its solver, and the commands of a tick."""
+"""Model predictive control: problem, predicted downwash and references, solver, commands of a tick."""

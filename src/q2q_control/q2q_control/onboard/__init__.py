@@ -1,1 +1,1 @@
-"""App for the vehicle's own firmware, in C99: neighbours' tracks, their downwash, and its correction."""
+"""App for the firmware of a vehicle, in C99: predicts the downwash of its neighbours and corrects it."""

@@ -1,1 +1,1 @@
-"""Real vehicles over cflib: their link, their pilot, and the vehicles of the node `radio`."""
+"""Real vehicles over cflib: links, procedure of each vehicle, and the vehicles of the node `radio`."""

@@ -1,1 +1,1 @@
-"""Command-line tools of q2q_control: parse, read files, call the library, print, draw."""
+"""Work of the command-line tools of q2q_control: read files, call the library, print, draw."""

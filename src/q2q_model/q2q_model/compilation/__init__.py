@@ -1,1 +1,1 @@
-"""Machine code of kernels: what it depends on, where it is stored, and the notice that it is made."""
+"""Machine code of compiled functions: its dependencies, its cache, and the notice of a compilation."""

@@ -1,1 +1,1 @@
-"""What a node reports of itself on `/diagnostics`, without ROS: health, values, laps."""
+"""Content of a node's `/diagnostics`, without ROS: health, values, durations."""

@@ -1,1 +1,1 @@
-"""Air of a flight: downwash, residual, torque, ground effect and wind, learned from recorded flights."""
+"""Air models: downwash, residual, torque, ground effect and wind, learned from recorded flights."""

@@ -1,1 +1,1 @@
-"""Command lines, parsed and checked before any slow import."""
+"""Command lines: options and their checks, before anything slow is imported."""

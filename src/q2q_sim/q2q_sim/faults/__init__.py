@@ -1,1 +1,1 @@
-"""Faults of a room, and their injection into frames, packets and rotors."""
+"""Injected faults: in motion capture frames, packets and rotors."""

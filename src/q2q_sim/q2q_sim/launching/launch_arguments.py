@@ -21,22 +21,41 @@ class Argument:
     choices: tuple[str, ...] = ()
 
 
-FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; empty: out/launch/ and the date")
-VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
-FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
+FOLDER = Argument(
+    "folder",
+    "",
+    "folder to write parameters, plan and bag to; empty: a new one in out/launch/, named by the time",
+)
+VIEW = Argument("view", YES, "publish the flight as `scene` for RViz", (YES, NO))
+FOXGLOVE = Argument("foxglove", NO, "with view: also serve the scene to Foxglove on this machine", (YES, NO))
 AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
-FIRMWARE = Argument("firmware", STOCK, "firmware of the vehicles, which sets thrust per PWM", FIRMWARES)
-REPLAN = Argument("replan", REPLANNERS[0], "law that moves setpoints out of zones online", REPLANNERS)
-MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
+FIRMWARE = Argument("firmware", STOCK, "firmware of the vehicles, which determines thrust per PWM", FIRMWARES)
+REPLAN = Argument(
+    "replan",
+    REPLANNERS[0],
+    "online replanner: none, the paper's potential field, or the safe replanner",
+    REPLANNERS,
+)
+MODEL = Argument("model", "", "interaction model of the controller: none, a shipped name, or a .q2q file")
 ROOM_MODEL = replace(MODEL, default="measured_law")
 PLAN = Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`")
 CRAZYFLIES = Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2")
 
 SCENARIO_ARGUMENTS = (
     Argument("scenario", "table6", "scenario name or file; `scripts/fly --list` names them"),
-    Argument("mode", "aware", "compensate the downwash or not", ("aware", "aware_unlimited", "ignoring")),
+    Argument(
+        "mode",
+        "aware",
+        "compensate the downwash (aware; aware_unlimited: without the thrust limit), or not (ignoring)",
+        ("aware", "aware_unlimited", "ignoring"),
+    ),
     Argument("controller", "pid", "controller", CONTROLLERS),
-    Argument("pace", "live", "100 Hz of wall time, or as fast as commands arrive", ("live", "lockstep")),
+    Argument(
+        "pace",
+        "live",
+        "live: 100 Hz of wall time; lockstep: as fast as commands arrive",
+        ("live", "lockstep"),
+    ),
     Argument("seed", "0", "random seed"),
     MODEL,
     FOLDER,
@@ -47,13 +66,18 @@ SCENARIO_ARGUMENTS = (
 ROOM_ARGUMENTS = (
     PLAN,
     CRAZYFLIES,
-    Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
-    Argument("vehicle", DEFAULT_VEHICLE, "vehicle constants", tuple(VEHICLES)),
+    Argument(
+        "mode",
+        "command",
+        "setpoints sent to the vehicles: attitude and thrust (command), or full states (setpoint)",
+        ("command", "setpoint"),
+    ),
+    Argument("vehicle", DEFAULT_VEHICLE, "vehicle type", tuple(VEHICLES)),
     FIRMWARE,
     Argument(
         "gains",
         TUNED,
-        "with mode:=command: tuned, firmware, mellinger, learned, or a file (docs/nodes/pid.md)",
+        "with mode:=command: gains of the PID: tuned, firmware, mellinger, learned, or a file",
     ),
     AWARE,
     REPLAN,
@@ -73,19 +97,34 @@ COMMON_ARGUMENTS = (
 CRAZYSWARM_ARGUMENTS = (
     PLAN,
     CRAZYFLIES,
-    Argument("vehicle", "", f"vehicle constants; empty: the twin's, or {DEFAULT_VEHICLE}", ("", *VEHICLES)),
     Argument(
-        "firmware", "", f"firmware, for thrust per PWM; empty: the twin's, or {STOCK}", ("", *FIRMWARES)
+        "vehicle",
+        "",
+        f"vehicle type; empty: with twin, that of the scenario, else {DEFAULT_VEHICLE}",
+        ("", *VEHICLES),
+    ),
+    Argument(
+        "firmware",
+        "",
+        f"firmware, which determines thrust per PWM; empty: with twin, the scenario's, else {STOCK}",
+        ("", *FIRMWARES),
     ),
     Argument("backend", "cpp", "backend of Crazyswarm2's server", ("cpp", "cflib")),
     Argument(
-        "poses_version", "1", "version of the poses without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")
+        "poses_version",
+        "1",
+        "message type of the poses, if motion_capture is empty: 1 is NamedPoseArray, 2 NamedPoseArrayV2",
+        ("1", "2"),
     ),
-    Argument("motion_capture", "", "motion_capture.yaml of server and bridge, in place of poses_version"),
+    Argument(
+        "motion_capture",
+        "",
+        "motion_capture.yaml for server and bridge, in place of the one installed with Crazyswarm2",
+    ),
     AWARE,
     REPLAN,
-    Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
-    Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
+    Argument("twin", NO, "fly the simulator in place of radios and room", (YES, NO)),
+    Argument("scenario", "table6", "with twin: scenario of the simulator, with its vehicles and its air"),
     ROOM_MODEL,
     FOLDER,
     VIEW,

@@ -1,1 +1,1 @@
-"""Scenarios: who flies where, in which room and air. The YAML files here are the shipped ones."""
+"""Scenarios: vehicles, their waypoints, sensors and air. The YAML files here are the shipped ones."""

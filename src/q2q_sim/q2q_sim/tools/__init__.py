@@ -1,1 +1,1 @@
-"""Command-line tools of q2q_sim: read files, call pure code, print, draw."""
+"""Work of the command-line tools of q2q_sim: read files, call the library, print, draw."""

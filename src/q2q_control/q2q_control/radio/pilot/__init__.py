@@ -1,1 +1,1 @@
-"""Pilot of real vehicles: orders, phases, and what it does by itself."""
+"""Procedure of a real vehicle over its link: orders, phases and automatic actions."""

@@ -1,1 +1,1 @@
-"""Vertical push of the downwash measured in flight, and the checks of its sensors and logs."""
+"""Vertical downwash measured in flight, and checks of the sensors and logs that it is measured by."""

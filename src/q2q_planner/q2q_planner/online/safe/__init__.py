@@ -1,1 +1,1 @@
-"""The safe replanner: one committed motion per vehicle, proven against everyone else's, every tick."""
+"""The safe replanner: one motion per vehicle, proven in every tick to stay out of the zones of all others."""

@@ -1,1 +1,1 @@
-"""Terms of a room's air learned from its recorded flights, one file per term."""
+"""Terms of an air model learned from recorded flights, one file per term."""

@@ -1,1 +1,1 @@
-"""Airs by their names: shipped, recorded, of a file or of a class; and how fast their downwash travels."""
+"""Air models by name: shipped, recorded, from a file or a class, and the travel speed of their downwash."""

@@ -1,1 +1,1 @@
-"""Long flights through nodes whose memory, handles, bag and clock are watched."""
+"""Long flights through nodes, with measurements of memory, handles, bag and clock."""

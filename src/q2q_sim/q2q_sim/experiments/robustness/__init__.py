@@ -1,1 +1,1 @@
-"""Robustness: corrected controllers that believe something wrong, against the same controllers ignoring."""
+"""Robustness: controllers that correct the downwash under wrong assumptions, against uncompensated ones."""

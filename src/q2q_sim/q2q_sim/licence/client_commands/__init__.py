@@ -1,1 +1,1 @@
-"""What a program asks of its vehicles: commands in words, and plans out of reach."""
+"""Commands of a program to its vehicles, in words, and plans beyond the vehicles' limits."""

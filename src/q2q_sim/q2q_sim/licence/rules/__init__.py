@@ -1,1 +1,1 @@
-"""Rules of a licence: limits, what breaks one and when, of one vehicle, of two, of the program."""
+"""Rules of a licence: limits, and when they are broken, by one vehicle, by two, or by the program."""

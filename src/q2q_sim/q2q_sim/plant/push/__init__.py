@@ -1,1 +1,1 @@
-"""Push of the air on every vehicle: who is in whose jet, and by how much it is accelerated."""
+"""Acceleration of every vehicle by the air: pairs of vehicles and jets, and their sum."""

@@ -1,1 +1,1 @@
-"""What the documentation shows: pictures, the moving picture and the pages of the nodes."""
+"""Content of the documentation: figures, the animation and the pages of the nodes."""

@@ -1,1 +1,1 @@
-"""Laws of stopping: how a motion comes to rest within bounds, and how fast it may approach where it must."""
+"""Stopping motions within bounds on acceleration and jerk, and the approach speeds that they allow."""

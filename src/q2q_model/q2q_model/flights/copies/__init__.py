@@ -1,0 +1,1 @@
+"""Detection of duplicate flights: windows of motion, digests, and the words of the report."""

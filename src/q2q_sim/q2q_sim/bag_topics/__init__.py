@@ -1,0 +1,1 @@
+"""Topics that a flight's bag records, their playback, and the recorded metadata."""
