@@ -14,7 +14,7 @@ stamps are known to be of a clock that was set back."""
 class FallbackParams:
     """Ages at which the fallback phases change."""
 
-    degraded_s: float = tunable(
+    degraded_after_s: float = tunable(
         0.05,
         "age from which a state counts as predicted (DEGRADED)",
         unit="s",
@@ -22,7 +22,7 @@ class FallbackParams:
         high=1.0,
         read_only=True,
     )
-    hold_s: float = tunable(
+    hold_after_s: float = tunable(
         0.03,
         "live: time without a tick after which the last command is repeated (HOLD)",
         unit="s",
@@ -30,7 +30,7 @@ class FallbackParams:
         high=1.0,
         read_only=True,
     )
-    level_s: float = tunable(
+    level_after_s: float = tunable(
         LONGEST_HOLD_S,
         "live: time without a tick after which vehicles brake, then hover level (LEVEL)",
         unit="s",
@@ -38,7 +38,7 @@ class FallbackParams:
         high=1.0,
         read_only=True,
     )
-    land_s: float = tunable(
+    land_after_s: float = tunable(
         1.0,
         "age of a vehicle's state from which it is landed without measurements (LAND)",
         unit="s",
@@ -67,6 +67,7 @@ class FallbackParams:
         check_bounds(self)
         if not self.hold_after_s <= self.level_after_s <= self.land_after_s <= self.cut_after_s:
             raise ValueError(
-                f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
-                "hold_s <= level_s <= land_s <= cut_s is required"
+                f"hold_after_s {self.hold_after_s}, level_after_s {self.level_after_s}, "
+                f"land_after_s {self.land_after_s}, cut_after_s {self.cut_after_s}: "
+                "hold_after_s <= level_after_s <= land_after_s <= cut_after_s is required"
             )

@@ -26,11 +26,11 @@ class LandingParams:
         low=0.01,
         high=2.0,
     )
-    land_s: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
+    landing_duration_min: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
     # a landing's polynomial peaks at 2.19 times its mean; the firmware's PID descends at 1 m/s at most
     land_speed: float = tunable(
         0.4,
-        "largest mean speed of a landing, which lasts longer than land_s from greater heights",
+        "largest mean speed of a landing, which lasts longer than landing_duration_min from greater heights",
         unit="m/s",
         low=0.05,
         high=5.0,
@@ -55,7 +55,7 @@ class FlightProcedureParams:
     )
     take_off_s: float = tunable(2.0, "duration of a take-off", unit="s", low=0.5, high=60.0)
     land_home: bool = tunable(
-        default=True, description="transit (glide) to the plan's first points before a landing from a hold"
+        default=True, description="transit to the plan's first points before a landing from a hold"
     )
     start_tolerance: float = tunable(
         0.3,

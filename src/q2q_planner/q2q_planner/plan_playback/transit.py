@@ -35,13 +35,15 @@ ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
 class TransitParams:
     """Speed and zone of a transit."""
 
-    glide_speed: float = tunable(
-        0.5, "largest speed of the transit (glide) to the plan's first points", unit="m/s", low=0.05, high=5.0
+    transit_speed: float = tunable(
+        0.5, "largest speed of the transit to the plan's first points", unit="m/s", low=0.05, high=5.0
     )
-    glide_s: float = tunable(1.0, "minimum duration of a vehicle's glide", unit="s", low=0.1, high=60.0)
-    glide_eps: float = tunable(
+    transit_duration_min: float = tunable(
+        1.0, "minimum duration of a vehicle's transit", unit="s", low=0.1, high=60.0
+    )
+    transit_eps: float = tunable(
         0.2,
-        "radius of the cylinder around each vehicle that a glide keeps free of other vehicles",
+        "radius of the cylinder around each vehicle that a transit keeps free of other vehicles",
         unit="m",
         low=0.01,
         high=5.0,
@@ -55,7 +57,7 @@ class TransitParams:
     )
     transit_d: float = tunable(
         Cylinder().d,
-        "half height of the cylinder around each vehicle that a glide keeps free of other vehicles",
+        "half height of the cylinder around each vehicle that a transit keeps free of other vehicles",
         unit="m",
         low=0.01,
         high=10.0,

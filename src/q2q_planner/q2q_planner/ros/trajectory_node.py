@@ -5,7 +5,7 @@ reference is at the measured positions of the vehicles.
 
 | service | effect |
 |---|---|
-| `~/glide` | moves the reference to the plan's first points; certified to keep the vehicles apart |
+| `~/transit` | moves the reference to the plan's first points; certified to keep the vehicles apart |
 | `~/start` | starts the plan |
 | `~/hold` | brakes along the plan, then keeps the reference there |
 | `~/wait` | waits again, after a landing; refused while a vehicle is within 0.25 m of its reference (1) |

@@ -48,9 +48,9 @@ def measured_growths(flight: LongFlight) -> list[Growth]:
             growth(WatchedQuantity(f"{name}: threads", "", COUNT), t, threads),
         ]
     found.append(bag_rate(t, np.array([float(one.bag) for one in samples])))
-    wall = np.array([one.wall for one in samples])
     if flight.live:
-        found.append(growth(WatchedQuantity("clock ahead of the wall clock", "s", DRIFT_S), t, t - wall))
+        ahead = t - t[0] - np.array([one.wall - samples[0].wall for one in samples])
+        found.append(growth(WatchedQuantity("clock ahead of the wall clock", "s", DRIFT_S), t, ahead))
     return found
 
 
