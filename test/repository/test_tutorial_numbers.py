@@ -163,5 +163,5 @@ def test_the_scores_quoted_for_real_flights_are_the_extremes_of_their_table() ->
 
 def test_the_forms_quoted_are_those_that_are_fitted() -> None:
     text = IDENTIFY.read_text(encoding="utf-8")
-    assert "fits five forms of the jet (four if no flight has measured pushes)" in text
+    assert "fits five forms of the jet (four if no flight has measured downwash)" in text
     assert (len(FORMS), sum(not form.loaded for form in FORMS.values())) == (5, 4)
