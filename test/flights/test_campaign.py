@@ -57,7 +57,7 @@ def test_outcomes_survive_a_file_and_nonsense_is_refused() -> None:
     assert from_document(json.loads(json.dumps(asdict(one)))) == one
     with pytest.raises(ValueError, match="not an outcome of a run"):
         from_document({"seed": 1})
-    with pytest.raises(ValueError, match="unknown policy 'tlit'; known are separation, zone, "):
+    with pytest.raises(ValueError, match="unknown policy 'tlit'; choose one of separation, zone, "):
         from_document(asdict(ended(2, replace(BROKEN, policy="tlit"))))
 
 
@@ -144,7 +144,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
             return trace_in(folder / "bag")
 
         first, second = flown("first", run.seed), flown("second", run.seed + 1)
-        with pytest.raises(ValueError, match="parameter seed: allowed is 0 or more"):
+        with pytest.raises(ValueError, match="parameter seed: must be 0 or more"):
             flown("third", -1)
         again = flown("fourth", run.seed)
     pure = trace_in_lockstep(campaign_flight.fly_pure(short).topics)

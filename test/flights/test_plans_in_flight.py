@@ -58,12 +58,12 @@ def test_a_plan_far_from_the_references_is_a_doubt_until_another_one_comes_and_o
     node = RoomNode("mpc", {"model": "none"}, {})
     wiring = mpc_node.build(node)
     away = replace(setpoint(PLAN.names), pos=np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]))
-    report = "plan: it is far from the setpoints: cf2 5.0 m: is it the plan they come from?"
+    report = "plan: it is far from the setpoints: cf2 5.0 m; they may come from another plan"
     node.takers["plan"](plan())
     for tick in range(3):
         node.takers["reference_safe"](encode(away, tick * 10_000_000))
     assert health_report(Health(), wiring.health).summary == report
-    assert node.lines.count(f"{report} flown without looking ahead") == 1
+    assert node.lines.count(f"{report}; flown without looking ahead") == 1
     node.takers["plan"](plan())
     node.takers["reference_safe"](encode(setpoint(PLAN.names), 30_000_000))
     assert health_report(Health(), wiring.health).level is Level.STALE
@@ -82,7 +82,7 @@ def test_a_node_that_starts_after_the_plan_has_ended_has_no_doubt_while_vehicles
     node.takers["reference_safe"](encode(away, 62 * 10**9))
     report = health_report(Health(), wiring.health).summary
     assert report.startswith("plan: it ended 55.0 s before it came, and is far from the setpoints: cf2 5.0 m")
-    assert node.lines == [f"{report} flown without looking ahead"]
+    assert node.lines == [f"{report}; flown without looking ahead"]
 
 
 @pytest.mark.parametrize("plan_first", [True, False])

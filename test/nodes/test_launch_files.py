@@ -201,7 +201,7 @@ def test_a_twin_flies_vehicle_and_firmware_of_its_scenario_unless_others_are_giv
 
 def test_a_firmware_that_the_vehicle_does_not_have_is_refused_before_any_node_starts(room: dict[str, str]):
     given = defaults(ROOM_ARGUMENTS) | room | {"vehicle": "crazyflie_brushless", "firmware": "thrust_upgrade"}
-    with pytest.raises(ValueError, match=r"firmware 'thrust_upgrade' of crazyflie_brushless: known are"):
+    with pytest.raises(ValueError, match=r"firmware 'thrust_upgrade' of crazyflie_brushless: choose one of"):
         room_nodes(given)
 
 

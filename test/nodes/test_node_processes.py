@@ -220,7 +220,7 @@ def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:
 
 def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
     lines = refusal("q2q_control", "pid", ["vehicle:=jumbo"])
-    assert f"known are {', '.join(VEHICLES)}" in lines
+    assert f"choose one of {', '.join(VEHICLES)}" in lines
 
 
 def test_a_model_file_cut_in_half_is_refused_by_name(tmp_path: Path) -> None:

@@ -8,4 +8,4 @@ def name_hint(given: str, known: Iterable[str]) -> str:
     """Return a question with the known name nearest to the given one, or the list of all if none is near."""
     names = list(known)
     near = get_close_matches(given, names, n=1)
-    return f"did you mean {near[0]}?" if near else f"known are {', '.join(names)}"
+    return f"did you mean {near[0]}?" if near else f"choose one of {', '.join(names)}"

@@ -114,4 +114,4 @@ def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
         low = -float("inf") if spec.low is None else spec.low
         high = float("inf") if spec.high is None else spec.high
         if not low <= number <= high:
-            raise OutOfBoundsError(owner, name, f"{value}: allowed is {spec.allowed}")
+            raise OutOfBoundsError(owner, name, f"{value}: must be {spec.allowed}")

@@ -25,12 +25,12 @@ OVER_S = 1.0
 """Time for which a plan that comes may be over [s]: a short one, as of braking, ends before it has come."""
 YEAR_S = 3.2e7
 """Time between a plan and a setpoint from which on their stamps are not of one clock [s]."""
-_ELSEWHERE = "plan: it is far from the setpoints: {}: is it the plan they come from?"
+_ELSEWHERE = "plan: it is far from the setpoints: {}; they may come from another plan"
 _OVER = (
-    "plan: it ended {:.1f} s before it came, and is far from the setpoints: {}: is it of an earlier flight, "
-    "or does it not start by the stamps of mocap?"
+    "plan: it ended {:.1f} s before it came, and is far from the setpoints: {}; it may be of an earlier "
+    "flight, or its start is not a stamp of mocap"
 )
-_OTHER_CLOCK = "plan: it starts at {:.0f} s and the setpoints are of {:.0f} s: do their nodes use one clock?"
+_OTHER_CLOCK = "plan: it starts at {:.0f} s and the setpoints are of {:.0f} s; their nodes must use one clock"
 
 
 def far_from_plan(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:

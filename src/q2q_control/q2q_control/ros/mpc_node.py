@@ -140,7 +140,7 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
         if isinstance(reference, SwarmSetpoint):
             wiring.health.doubts[MISMATCH], is_new = mismatch.update(reference)
             if is_new:
-                node.get_logger().warning(f"{wiring.health.doubts[MISMATCH]} flown without looking ahead")
+                node.get_logger().warning(f"{wiring.health.doubts[MISMATCH]}; flown without looking ahead")
 
     came = expect_latched(node, node.create_subscription(Plan, PLAN, take, LATCHED))
     wiring.listen("reference_safe", unplanned.update)

@@ -10,13 +10,13 @@ PARAMS = FlightProcedureParams()
 
 
 def test_no_rest_may_be_so_short_that_motors_stop_in_the_fall() -> None:
-    with pytest.raises(ValueError, match=r"settle_s = 0\.4: allowed is 0\.5 to 10\.0 s"):
+    with pytest.raises(ValueError, match=r"settle_s = 0\.4: must be 0\.5 to 10\.0 s"):
         replace(PARAMS, settle_s=0.4)
 
 
 def test_no_ground_may_be_so_near_that_noise_keeps_vehicles_from_it() -> None:
     """Of 100 vehicles with a noise of 3 mm, one was always beyond 1 cm."""
-    with pytest.raises(ValueError, match=r"near_ground = 0\.02: allowed is 0\.03 to 0\.5 m"):
+    with pytest.raises(ValueError, match=r"near_ground = 0\.02: must be 0\.03 to 0\.5 m"):
         replace(PARAMS, near_ground=0.02)
 
 

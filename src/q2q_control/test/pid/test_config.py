@@ -63,7 +63,7 @@ def test_the_firmwares_cascade_as_one_loop_has_the_cascades_poles():
     ("/**:\n  ros__parameters: 3\n", "expected a mapping with k_p_z"),
     ("pid:\n  ros__parameters: {k_pz: 10.0}\n", "unknown key 'k_pz'; did you mean k_p_z?"),
     ("pid:\n  ros__parameters: {k_p_z: ten}\n", "k_p_z = 'ten': a number is expected"),
-    ("pid:\n  ros__parameters: {k_p_z: 1000.0}\n", "k_p_z = 1000.0: allowed is 0.0 to 200.0"),
+    ("pid:\n  ros__parameters: {k_p_z: 1000.0}\n", "k_p_z = 1000.0: must be 0.0 to 200.0"),
 ])  # fmt: skip
 def test_a_file_that_is_none_of_the_pids_is_refused_by_name(tmp_path: Path, text: str, said: str):
     (tmp_path / "mine.yaml").write_text(text)

@@ -38,7 +38,7 @@ def positive_number(given: str) -> float:
     """Return a number above zero: a type of arguments, refused if it is not finite."""
     number = _number(given)
     if not 0.0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"{given} is no number above 0")
+        raise argparse.ArgumentTypeError(f"{given}: a number above 0 is required")
     return number
 
 

@@ -13,7 +13,7 @@ LASTING = 0.35
 
 _WORDS = {
     "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
-    "frozen": "poses that repeat are rejected: {}; does the server see them?",
+    "frozen": "poses that repeat exactly are rejected: {}; check that motion capture sees their markers",
     "rejected": "many samples are rejected: {}; are jump_max and position_noise too small?",
     "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
     "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",

@@ -154,7 +154,7 @@ DEFAULT_VEHICLE = CRAZYFLIE_2_0.name
 def vehicle_by_name(name: str, firmware: str = STOCK) -> Vehicle:
     """Return the named vehicle on a firmware of `thrust_map`; raise ValueError for an unknown name."""
     if name not in VEHICLES:
-        raise ValueError(f"unknown vehicle {name!r}; known are {', '.join(VEHICLES)}")
+        raise ValueError(f"unknown vehicle {name!r}; choose one of {', '.join(VEHICLES)}")
     return on_firmware(VEHICLES[name], firmware)
 
 

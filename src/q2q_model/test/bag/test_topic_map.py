@@ -19,7 +19,7 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path) -> None:
         ("vehicle: {cf1: /a}", "unknown key 'vehicle'; did you mean vehicles"),
         ("vehicles: [a]", "vehicles = .*: a mapping of names to values is expected"),
         ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
-        ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
+        ("tolerance_s: -1\nposes: /p", "must be 0 to 1 s"),
         ("rename: {a: b}", "maps nothing"),
         ("vehicles: {a: /p, b: /p}", "topic /p is given for vehicles.a and vehicles.b; give each its own"),
         ("vehicles: {a: /p}\nreferences: {a: /p}", "/p is given for vehicles.a and references.a; give"),
@@ -32,7 +32,7 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path) -> None:
         ("poses: /p\nsignals: {mocap: /m}", "poses and signals: mocap are both mapped; keep one of them"),
         ("signals: {comand: /c}", "map.yaml: signals: q2q has no topic 'comand'; did you mean command"),
         ("signals: {/mocap: /m}", "q2q has no topic '/mocap'; did you mean mocap"),
-        ("signals: {plan: /p}", "no topic 'plan'; known are mocap, truth, .*, command"),
+        ("signals: {plan: /p}", "no topic 'plan'; choose one of mocap, truth, .*, command"),
         ("[1, 2]", "expected a mapping"),
         ("{", "is not valid YAML: line 1"),
     ):

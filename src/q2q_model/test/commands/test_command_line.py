@@ -203,4 +203,4 @@ def test_a_threshold_that_is_no_number_above_zero_is_refused(given: str, capsys:
     with pytest.raises(SystemExit) as ended:
         identify.main(["bag", "--out", "model.q2q", f"--threshold={given}"])
     assert ended.value.code == 2
-    assert f"argument --threshold: {given} is no number above 0" in capsys.readouterr().err
+    assert f"argument --threshold: {given}: a number above 0 is required" in capsys.readouterr().err

@@ -113,7 +113,7 @@ def test_values_of_numpy_are_written_as_those_of_python() -> None:
         (None, "got None, expected a mapping with paths, count, on, reading, limit, table, names, "),
         ({}, "paths is missing"),
         ({"paths": PATHS, "cuont": 2}, "unknown key 'cuont'; did you mean count?"),
-        ({"paths": PATHS, "x": 2}, "unknown key 'x'; known are paths, count, on, "),
+        ({"paths": PATHS, "x": 2}, "unknown key 'x'; choose one of paths, count, on, "),
         ({"paths": PATHS, "count": True}, "count = True: a whole number is expected"),
         ({"paths": PATHS, "count": "3"}, "count = '3': a whole number is expected"),
         ({"paths": PATHS, "on": 1}, "on = 1: true or false is expected"),
@@ -134,7 +134,10 @@ def test_values_of_numpy_are_written_as_those_of_python() -> None:
         ({"paths": {"cf1": [{"pos": [1, 2]}]}}, "paths.cf1[0].pos = [1, 2]: [x, y, z] in metres is expected"),
         ({"paths": {"cf1": [{"pos": [1, None, 2]}]}}, "paths.cf1[0].pos[1] = None: a number is expected"),
         ({"paths": {"cf1": [{"pos": [1, 2, 3], "t": -1}]}}, "paths.cf1[0]: t = -1.0: 0 s or more is allowed"),
-        ({"paths": {"cf1": [{"pos": [1, 2, 3], "z": 1}]}}, "paths.cf1[0]: unknown key 'z'; known are pos, t"),
+        (
+            {"paths": {"cf1": [{"pos": [1, 2, 3], "z": 1}]}},
+            "paths.cf1[0]: unknown key 'z'; choose one of pos, t",
+        ),
     ],
 )
 def test_a_mistake_is_named_by_key_value_and_what_is_expected(given: object, said: str) -> None:

@@ -129,7 +129,7 @@ def test_a_jet_of_an_old_version_is_read_as_one_without_the_parameters_that_came
             {"model": {"type": "jet", "parameters": {"width": float("nan")}}},
             "width = nan: a finite number",
         ),
-        ({"model": {"type": "jet", "parameters": {"width": 99.0}}}, r"Jet\.width = 99\.0: allowed is"),
+        ({"model": {"type": "jet", "parameters": {"width": 99.0}}}, r"Jet\.width = 99\.0: must be"),
         (
             {"model": {"type": "jet", "parameters": {"with": 0.1}}},
             r"model\.parameters: unknown key 'with'; did you mean width",

@@ -27,7 +27,7 @@ def test_an_override_replaces_one_field_and_keeps_the_rest() -> None:
 
 @pytest.mark.parametrize("wrong", [-0.1, 2.1, float("nan"), float("inf")])
 def test_a_value_out_of_bounds_is_refused_naming_value_and_bounds(wrong: float) -> None:
-    with pytest.raises(ValueError, match=r"Demo.gain = .*allowed is 0.0 to 2.0 1/s"):
+    with pytest.raises(ValueError, match=r"Demo.gain = .*must be 0.0 to 2.0 1/s"):
         Demo(gain=wrong)
 
 
@@ -54,4 +54,4 @@ def test_an_error_comes_whole_from_another_process() -> None:
     with pytest.raises(OutOfBoundsError) as raised:
         Demo(gain=3.0)
     copy = pickle.loads(pickle.dumps(raised.value))  # noqa: S301 - made on the line itself
-    assert (copy.name, str(copy)) == ("gain", "Demo.gain = 3.0: allowed is 0.0 to 2.0 1/s")
+    assert (copy.name, str(copy)) == ("gain", "Demo.gain = 3.0: must be 0.0 to 2.0 1/s")

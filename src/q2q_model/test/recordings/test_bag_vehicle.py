@@ -32,7 +32,7 @@ def test_a_bag_says_on_which_firmware_its_vehicle_flew(tmp_path: Path):
 def test_a_vehicle_that_does_not_exist_is_refused_with_the_remedy_and_can_be_overruled(tmp_path: Path):
     bag = bag_of(tmp_path / "odd", "crazyflie_9")
     with pytest.raises(
-        ValueError, match=r"odd: unknown vehicle 'crazyflie_9'; known are .*; name the vehicle with"
+        ValueError, match=r"odd: unknown vehicle 'crazyflie_9'; choose one of .*; name the vehicle with"
     ):
         flown_vehicle(bag)
     assert flown_vehicle(bag, "crazyflie_2_1").vehicle == CRAZYFLIE_2_1

@@ -63,9 +63,9 @@ def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
 @pytest.mark.parametrize(
     ("vehicle", "firmware", "output"),
     [
-        ("crazyflie_2_0", "2025", "known are stock, thrust_upgrade, stock_2025_09, stock_2025_02"),
-        ("crazyflie_brushless", "thrust_upgrade", "known are stock, stock_2025_09"),
-        ("textbook_065", "thrust_upgrade", "known are stock"),
+        ("crazyflie_2_0", "2025", "choose one of stock, thrust_upgrade, stock_2025_09, stock_2025_02"),
+        ("crazyflie_brushless", "thrust_upgrade", "choose one of stock, stock_2025_09"),
+        ("textbook_065", "thrust_upgrade", "choose one of stock"),
     ],
 )
 def test_a_firmware_that_a_vehicle_does_not_have_is_refused_with_those_it_has(

@@ -74,7 +74,7 @@ def _zone_of_size(asked: Namespace) -> tuple[Zone, str]:
     d = PAPER_ZONE.d if asked.d is None else asked.d
     for name, value in (("eps", eps), ("d", d)):
         if not 0.0 < value < LARGEST:
-            raise ValueError(f"--{name} = {value}: allowed is 0 to {LARGEST} m, both excluded")
+            raise ValueError(f"--{name} = {value}: must be 0 to {LARGEST} m, both excluded")
     shape = Ellipsoid if asked.shape == "ellipsoid" else Cylinder
     return shape(eps, d), f"{asked.shape or 'cylinder'} eps {eps} m, d {d} m"
 

@@ -113,4 +113,4 @@ def test_the_firmware_of_a_file_is_that_of_its_thrust(
     assert main([*asked, "--vehicle", "crazyflie_2_1"]) == 0
     path.write_text(f"firmware: none_such\n{HASTY}")
     assert main(asked) == 1
-    assert f"{path}: firmware 'none_such' of crazyflie_2_0: known are stock" in capsys.readouterr().err
+    assert f"{path}: firmware 'none_such' of crazyflie_2_0: choose one of stock" in capsys.readouterr().err

@@ -165,8 +165,8 @@ def test_a_plan_without_walls_is_searched_only_where_its_answer_is_said(
     [
         ((1.0, 2.0), "has 2 numbers: give 6"),
         ((1.0, 0.0, 0.0, 1.0, 1.0, 1.0), "the smallest first"),
-        ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "allowed is any finite number"),
-        ((0.0, 0.0, 0.0, 1.0, 1.0, float("inf")), "allowed is any finite number"),
+        ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "must be a finite number"),
+        ((0.0, 0.0, 0.0, 1.0, 1.0, float("inf")), "must be a finite number"),
     ],
 )
 def test_walls_that_are_no_box_are_refused(walls: tuple[float, ...], words: str) -> None:

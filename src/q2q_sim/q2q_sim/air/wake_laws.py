@@ -80,7 +80,7 @@ def wake_by_name(name: str) -> WakeLaw:
     """Return the named wake; raise ValueError with the known names."""
     known = {wake.name.lower(): wake for wake in WakeLaw}
     if name not in known:
-        raise ValueError(f"unknown wake {name!r}; known are {', '.join(known)}")
+        raise ValueError(f"unknown wake {name!r}; choose one of {', '.join(known)}")
     return known[name]
 
 

@@ -88,7 +88,7 @@ class Fault:
         kind = KINDS[self.kind]
         if not kind.low <= self.size <= kind.high:
             bounds = f"{kind.low} to {kind.high} {kind.unit}".rstrip()
-            raise ValueError(f"fault {self.kind}: size = {self.size}: allowed is {bounds}")
+            raise ValueError(f"fault {self.kind}: size = {self.size}: must be {bounds}")
         if self.kind == "swap" and not len(self.vehicles) == len({*self.vehicles}) == 2:
             raise ValueError(
                 f"fault swap: vehicles = {list(self.vehicles)}: name exactly two different vehicles"

@@ -76,5 +76,5 @@ PROFILES = {"ideal": IDEAL, "capture": CAPTURE, "real": REAL, "rough": ROUGH}
 def profile_by_name(name: str) -> RoomProfile:
     """Return the profile of a named room; raise ValueError with the known names."""
     if name not in PROFILES:
-        raise ValueError(f"unknown room {name!r}; known are {', '.join(PROFILES)}")
+        raise ValueError(f"unknown room {name!r}; choose one of {', '.join(PROFILES)}")
     return PROFILES[name]

@@ -54,7 +54,7 @@ def _rechecksummed(change: dict[str, object]) -> str:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"storm": {}}, r"air: unknown key 'storm'; known are jet"),
+        ({"storm": {}}, r"air: unknown key 'storm'; choose one of jet"),
         (
             {"residual": {"floor_mps2": float("nan"), "slope": 0.1, "time_s": 0.1}},
             "floor_mps2 = nan: a finite number is expected",

@@ -89,5 +89,5 @@ def test_two_sources_add_up() -> None:
 
 
 def test_an_unknown_wake_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(ValueError, match="unknown wake 'storm'; known are none, paper, measured"):
+    with pytest.raises(ValueError, match="unknown wake 'storm'; choose one of none, paper, measured"):
         wake_by_name("storm")

@@ -43,7 +43,7 @@ def test_the_programs_of_a_folder_are_judged_all_or_those_named(
 
 @pytest.mark.parametrize(("only", "message"), [
     (["swarm_step"], "swarm_step (did you mean swarm_steps?)"),
-    (["x", "no_land"], "x (known are hop, swarm_steps, no_landing), no_land (did you mean no_landing?)"),
+    (["x", "no_land"], "x (choose one of hop, swarm_steps, no_landing), no_land (did you mean no_landing?)"),
 ])  # fmt: skip
 def test_a_name_that_no_program_has_is_refused_before_any_is_judged(
     folder: Path, only: list[str], message: str, capsys: pytest.CaptureFixture[str]

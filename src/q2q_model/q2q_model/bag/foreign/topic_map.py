@@ -56,7 +56,7 @@ class TopicMap:
     def __post_init__(self) -> None:
         """Raise ValueError, with what is allowed, if nothing, no topic of q2q, or a topic twice is mapped."""
         if not 0.0 <= self.tolerance_s <= 1.0:
-            raise ValueError(f"tolerance_s = {self.tolerance_s}: allowed is 0 to 1 s")
+            raise ValueError(f"tolerance_s = {self.tolerance_s}: must be 0 to 1 s")
         for topic in self.signals:
             if topic not in TICK_TOPICS:
                 raise ValueError(f"signals: q2q has no topic {topic!r}; {name_hint(topic, TICK_TOPICS)}")

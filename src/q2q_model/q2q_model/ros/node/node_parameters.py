@@ -118,7 +118,7 @@ def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *
         value = node.declare_parameter(name, plain, _descriptor(spec, default)).value
     except InvalidParameterValueException as refusal:
         given = str(refusal).partition(" Reason")[0]
-        raise ValueError(f"parameter {name}: allowed is {spec.allowed}; {given}") from refusal
+        raise ValueError(f"parameter {name}: must be {spec.allowed}; {given}") from refusal
     except InvalidParameterTypeException as refusal:
         raise ValueError(_wrong_type(node, name, default)) from refusal
     if value is not None:

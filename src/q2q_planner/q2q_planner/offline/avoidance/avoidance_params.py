@@ -25,7 +25,7 @@ class AvoidanceParams:
     def __post_init__(self) -> None:
         """Raise ValueError if a number is out of bounds, or `within` is no box."""
         if not all(map(isfinite, self.within)):
-            raise ValueError(f"AvoidanceParams.within = {self.within}: allowed is any finite number")
+            raise ValueError(f"AvoidanceParams.within = {self.within}: must be a finite number")
         check_bounds(self)
         if self.walls is None and self.within:
             raise ValueError(f"AvoidanceParams.within has {len(self.within)} numbers: give 6, or none")

@@ -53,7 +53,7 @@ class LearnedDownwash:
     def __post_init__(self) -> None:
         """Raise ValueError if the share is out of bounds."""
         if not 0.0 < self.cut < 1.0:
-            raise ValueError(f"cut = {self.cut}: allowed is 0 to 1, both excluded")
+            raise ValueError(f"cut = {self.cut}: must be 0 to 1, both excluded")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -43,7 +43,7 @@ def from_document(document: Mapping[str, object]) -> RunOutcome:
             raise ValueError(f"violations = {violations!r}: a list is expected")  # noqa: TRY004  a bad document
         found = tuple(Violation(**one) for one in violations)
         if unknown := {one.policy for one in found} - {*NAMES}:
-            raise ValueError(f"unknown policy {min(unknown)!r}; known are {', '.join(NAMES)}")
+            raise ValueError(f"unknown policy {min(unknown)!r}; choose one of {', '.join(NAMES)}")
         return RunOutcome(
             seed=int(str(document["seed"])),
             through_nodes=bool(document["through_nodes"]),
