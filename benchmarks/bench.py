@@ -64,13 +64,16 @@ def _parser() -> CommandLine:
         made, "print the rows as JSON (other text then goes to standard error), or write them to FILE"
     )
     made.add_argument(
-        "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"
+        "--plots",
+        type=output_folder,
+        metavar="FOLDER",
+        help=f"run the area {DRAWN} and draw its figures into this folder",
     )
     made.add_argument(
         "--baseline",
         type=Path,
         metavar="CHECKOUT",
-        help="another checkout of q2q, whose scripts/bench runs each area after ours",
+        help="folder of another checkout of q2q, whose scripts/bench runs each area in turn with this one",
     )
     return made
 
