@@ -14,8 +14,9 @@ already at their setpoints, such as simulated ones that start in the air.
 From the connection on, the node sets firmware parameters (`firmware_params`, stabilizer.controller) and, with
 `places`, sends each vehicle the poses in which it was measured.
 
-If commands stop, a vehicle is levelled, landed and at last stopped (`command_timeout_*`); with a low battery
-it is landed. q2q_control.radio.pilot.vehicle_pilot lists all automatic actions.
+If commands stop, a flying vehicle is levelled, then landed (`command_timeout_*`); in mode command and without
+measurements it sinks instead, and its motors are stopped at last. With a low battery it is landed.
+q2q_control.radio.pilot.vehicle_pilot lists all automatic actions.
 
 With `--dry-run` calls are checked and answered, but not executed: vehicles do not arm, take off, follow
 setpoints or land, and the emergency stop is not executed either. Poses and firmware parameters are sent.
