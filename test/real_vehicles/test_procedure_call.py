@@ -147,7 +147,9 @@ def test_what_is_no_nodes_name_is_refused_with_one_that_is(
     with pytest.raises(SystemExit) as ended:
         call.parser().parse_args(["land", "--node", given])
     assert ended.value.code == 2
-    assert f"{given!r} is no node's name: give one like radio or room/radio" in capsys.readouterr().err
+    assert (
+        f"{given!r} is not the name of a node: give one like radio or room/radio" in capsys.readouterr().err
+    )
 
 
 @pytest.mark.parametrize(("given", "node"), [("/radio/", "radio"), ("/room/radio", "room/radio")])

@@ -50,7 +50,7 @@ def _node(given: str) -> str:
     """Return the name of a node, with its namespace if it has one: a type of arguments."""
     name = given.strip("/")
     if not _NODE.fullmatch(name):
-        raise ArgumentTypeError(f"{given!r} is no node's name: give one like radio or room/radio")
+        raise ArgumentTypeError(f"{given!r} is not the name of a node: give one like radio or room/radio")
     return name
 
 

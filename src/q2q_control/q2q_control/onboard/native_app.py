@@ -68,7 +68,9 @@ def compile_app(folder: Path) -> AppLibrary:
         command = [compiler, *FLAGS, "-shared", "-fPIC", *sources, "-o", library, "-lm"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            raise AppBuildError(f"{folder} is no app of export_app: {done.stderr.strip().splitlines()[0]}")
+            raise AppBuildError(
+                f"{folder} is not a folder of export_app: {done.stderr.strip().splitlines()[0]}"
+            )
         loaded = AppLibrary(library)  # stays mapped when its file is gone
     loaded.q2q_step.restype = loaded.q2q_downwash.restype = ctypes.c_float
     loaded.q2q_hear.restype = loaded.q2q_pack.restype = ctypes.c_bool

@@ -25,7 +25,7 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
     (tmp_path / "notes.txt").write_text("")
     found, notes = flights_among([tmp_path])
     assert [path.name for path in found] == ["one.csv", "two.csv"]
-    assert notes == [f"skipped: {tmp_path / 'manifest.csv'} has no column t: it is no flight"]
+    assert notes == [f"skipped: {tmp_path / 'manifest.csv'} has no column t, so it is not a flight"]
     recordings, notes = recordings_of_paths([tmp_path])
     assert [one.flight.name for one in recordings] == ["one", "two"]
     assert len(notes) == 1

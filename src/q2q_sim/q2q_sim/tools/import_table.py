@@ -106,7 +106,7 @@ def read_logs(
         try:
             logs[name] = usd_log(path.read_bytes(), {**FIRMWARE, **(chosen or {})})
         except UsdLogError as damage:
-            raise ValueError(f"{path} is no log of a micro-SD deck: {damage}") from damage
+            raise ValueError(f"{path} is not a log of a micro-SD deck: {damage}") from damage
     return logs
 
 

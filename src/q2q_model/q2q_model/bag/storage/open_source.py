@@ -39,7 +39,7 @@ def open_source(path: Path | str) -> Source:
         return _open_bare_folder(bag)
     if not is_bag(bag):
         kinds = ", ".join(FILES)
-        raise BagError(f"{bag} is no bag: give a rosbag2 folder or a file ({kinds})")
+        raise BagError(f"{bag} is not a bag: give a rosbag2 folder or a file ({kinds})")
     try:
         return _regular(bag, [bag])
     except Exception as damage:  # noqa: BLE001 - a parser on damaged bytes raises anything

@@ -197,5 +197,5 @@ def _text(data: bytes, at: int) -> tuple[bytes, int]:
 def _field(text: bytes) -> tuple[str, str]:
     match = VARIABLE.fullmatch(text.strip())
     if match is None:
-        raise ValueError(f"{text[:40]!r} is no variable with its type")
+        raise ValueError(f"{text[:40]!r} is not a variable with its type")
     return match[1].decode(), f"<{match[2].decode()}"

@@ -97,6 +97,6 @@ def _models(texts: Sequence[Sequence[str]]) -> list[LearnedModel]:
     for name, text in texts:
         content = decode(text)
         if not isinstance(content.interaction, Jet):
-            raise ValueError(f"{name} is no jet")  # noqa: TRY004  a bad document
+            raise ValueError(f"{name} is not a jet")  # noqa: TRY004  a bad document
         found.append(LearnedModel(name, content.interaction, content.residual))
     return found

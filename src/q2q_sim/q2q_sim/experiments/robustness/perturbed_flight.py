@@ -88,7 +88,7 @@ def model_in(scenario: Scenario, air: str) -> Jet:
     found = find_model(name).interaction
     if isinstance(found, Jet):
         return found
-    raise ValueError(f"model {name} is no jet: its strength and delay cannot be changed")
+    raise ValueError(f"model {name} is not a jet: its strength and delay cannot be changed")
 
 
 def draw_errors(flight: Flight, each: int) -> Errors:

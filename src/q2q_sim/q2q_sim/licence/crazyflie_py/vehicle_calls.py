@@ -123,7 +123,7 @@ class CrazyflieCalls(Absence):
     def getParam(self, name: str) -> float:
         """Return a parameter as set by setParam; not a number before, as the server reads none by itself."""
         if name not in NUMBERS:
-            print(f"getParam: {name} is no parameter of the emulated firmware (docs/licence.md, Limits)")
+            print(f"getParam: {name} is not a parameter of the emulated firmware (docs/licence.md, Limits)")
         elif name not in self.parameters:
             print(f"getParam: {name} is not set yet: server.yaml has query_all_values_on_connect: False")
         return self.parameters.get(name, float("nan"))
