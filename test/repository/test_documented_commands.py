@@ -33,7 +33,7 @@ ELSEWHERE: Mapping[str, str] = {
     "ros2 run q2q_sim robustness": "takes a quarter of an hour; test_robustness_page flies a short one",
     "ros2 run q2q_sim endurance": "takes minutes to an hour; test_endurance reports made samples",
     "ros2 run q2q_sim estimators": "the reader's own flights; test_estimators replays a made one",
-    "ros2 run q2q_sim explain": "takes a minute; test_recorded_case flies a short one again",
+    "ros2 run q2q_sim explain": "takes a minute; test_recorded_setup flies a short one again",
     "scripts/licence": "the reader's own programs, and a score of minutes; test_licence flies two programs",
     "ros2 run q2q_sim promise": "takes minutes; test_promise flies fewer encounters",
     "scripts/campaign --runs": "takes hours; test_campaign flies a short one",

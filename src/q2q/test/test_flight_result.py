@@ -11,7 +11,7 @@ import q2q
 from q2q_model.bag import BagError, FlightFacts
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.flights.flight import Flight
-from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
+from q2q_sim.experiments.explanation.recorded_setup import SAME, recorded_setup
 from q2q_sim.faults.faults import Fault
 from q2q_sim.flight_bag.bag_verdict import bag_verdict
 from q2q_sim.monitors.metrics.flight_metrics import measure
@@ -53,9 +53,9 @@ def test_a_flight_of_a_changed_scenario_is_flown_again_by_its_bag_alone(tmp_path
     late = replace(SHORT, name="document", radio=replace(SHORT.radio, latency=0.05))
     bag = q2q.fly(late, seed=2).to_bag(tmp_path / "bag")
     assert q2q.read_bag(bag).facts.scenario == "scenario.yaml"
-    found = recorded_case(bag)
+    found = recorded_setup(bag)
     assert found.difference < 1e-9
-    assert found.case.scenario.radio.latency == 0.05
+    assert found.setup.scenario.radio.latency == 0.05
 
 
 def test_a_flight_longer_than_its_named_scenario_is_flown_again_to_its_end(tmp_path: Path):
@@ -63,7 +63,7 @@ def test_a_flight_longer_than_its_named_scenario_is_flown_again_to_its_end(tmp_p
     file.write_text(yaml.safe_dump(document_of(replace(SHORT, duration=0.3))), encoding="utf-8")
     flight = q2q.fly(replace(q2q.scenario(file), duration=0.5))
     named = replace(flight, facts=replace(flight.facts, scenario=str(file)))
-    found = recorded_case(named.to_bag(tmp_path / "bag"))
+    found = recorded_setup(named.to_bag(tmp_path / "bag"))
     assert not (tmp_path / "bag" / "scenario.yaml").exists()
     np.testing.assert_array_equal(found.flight.t, flight.arrays.t)
     assert found.difference < 1e-9
@@ -74,7 +74,7 @@ def test_a_flight_corrected_with_a_models_own_residual_is_flown_again_with_it(tm
     loud = replace(ResidualProcess(), noise=8.0 * ResidualProcess().noise)
     model = q2q.save_model(replace(q2q.load_model("measured_law"), residual=loud), tmp_path / "own.q2q")
     flight = q2q.fly(SHORT, model=model, correct=True)
-    found = recorded_case(flight.to_bag(tmp_path / "bag"))
+    found = recorded_setup(flight.to_bag(tmp_path / "bag"))
     assert found.difference < 1e-9
     usual = q2q.fly(SHORT, model="measured_law", correct=True)
     assert np.abs(usual.arrays.true_pos - flight.arrays.true_pos).max() > SAME  # the residual matters
@@ -93,13 +93,13 @@ def test_a_flight_by_an_object_is_not_flown_again(
 ):
     bag = replace(flight, facts=replace(flight.facts, **changed)).to_bag(tmp_path / "bag")
     with pytest.raises(ValueError, match=rf"bag: {unknown}: .*; an object of Python cannot be flown again"):
-        recorded_case(bag)
+        recorded_setup(bag)
 
 
 def test_a_bag_whose_metadata_name_its_scenario_holds_none(flight: q2q.FlightResult, tmp_path: Path):
     bag = flight.to_bag(tmp_path / "bag")
     assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
-    assert recorded_case(bag).difference < 1e-9
+    assert recorded_setup(bag).difference < 1e-9
 
 
 def test_a_flight_of_a_bag_is_not_written_again(flight: q2q.FlightResult, tmp_path: Path):

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation
-from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup, flight_setup
 from q2q_sim.experiments.explanation.loss import Loss
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios import library
@@ -19,7 +19,7 @@ FOUND = Explanation(
 )
 
 
-def short(name: str, air: str = "") -> FlightCase:
+def short(name: str, air: str = "") -> FlightSetup:
     """Return the first half second of a scenario."""
     scenario = replace(with_air(library.load(name), air, ()), duration=0.5)
-    return flight_case(scenario, BlockChoices("ignoring"), 0)
+    return flight_setup(scenario, BlockChoices("ignoring"), 0)

@@ -9,12 +9,12 @@ from explained_flights import FOUND, short
 from q2q_sim.commands.explain import main
 from q2q_sim.experiments.explanation.explanation import CauseShare, ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
-from q2q_sim.experiments.explanation.flight_case import fly_flight_case
+from q2q_sim.experiments.explanation.flight_setup import fly_setup
 from q2q_sim.experiments.explanation.loss import LOST, largest_loss
 
 
 def test_a_loss_is_where_the_vehicle_is_farthest_from_its_setpoint() -> None:
-    flight = fly_flight_case(short("stack3"))
+    flight = fly_setup(short("stack3"))
     moved = flight.safe_pos.copy()
     moved[20, 1] = flight.true_pos[20, 1] + (0.0, 0.3, -0.4)
     moved[30, 2] = flight.true_pos[30, 2] + (0.0, 0.0, 0.45)

@@ -9,13 +9,13 @@ from explained_flights import FOUND, short
 from q2q_sim.experiments.explanation.explanation import CauseShare
 from q2q_sim.experiments.explanation.explanation_page import write_page
 from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
-from q2q_sim.experiments.explanation.flight_case import fly_flight_case
-from q2q_sim.experiments.explanation.recorded_case import RecordedCase
+from q2q_sim.experiments.explanation.flight_setup import fly_setup
+from q2q_sim.experiments.explanation.recorded_setup import RecordedSetup
 
 
 def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> None:
-    case = short("stack3")
-    file = write_page(FOUND, RecordedCase(case, fly_flight_case(case), 1e-13), "a bag", tmp_path)
+    setup = short("stack3")
+    file = write_page(FOUND, RecordedSetup(setup, fly_setup(setup), 1e-13), "a bag", tmp_path)
     page = file.read_text()
     assert (
         page.index(explanation_sentence(FOUND))
@@ -37,9 +37,9 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
 def test_a_page_says_what_its_intervals_are_of(
     tmp_path: Path, *, all_orders: bool, draws: int, note: str
 ) -> None:
-    case = short("stack3")
+    setup = short("stack3")
     nothing = (CauseShare("latency", -1e-5, -2e-5, 1e-5),)
     found = replace(FOUND, shares=nothing, all_orders=all_orders, draws=draws)
-    page = write_page(found, RecordedCase(case, fly_flight_case(case), 0.0), "a bag", tmp_path).read_text()
+    page = write_page(found, RecordedSetup(setup, fly_setup(setup), 0.0), "a bag", tmp_path).read_text()
     assert note in page
     assert "<td>0.0</td><td>0.0</td><td>0.0</td>" in page

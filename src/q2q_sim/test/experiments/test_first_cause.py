@@ -7,7 +7,7 @@ import pytest
 from q2q_sim.experiments.explanation.accidents import INJECTIONS, ordinary_flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.first_cause import first_cause
-from q2q_sim.experiments.explanation.flight_case import flight_case
+from q2q_sim.experiments.explanation.flight_setup import flight_setup
 from q2q_sim.experiments.explanation.loss import Loss
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_text
 from q2q_sim.faults.faults import Fault
@@ -21,7 +21,7 @@ def test_an_accident_differs_from_an_ordinary_flight_by_its_cause_alone(cause: s
     rng = stream(1, "test")
     before = ordinary_flight(1, rng)
     after = INJECTIONS[cause](before, rng)
-    repaired = [without_causes(case, {cause}) for case in (before, after)]
+    repaired = [without_causes(setup, {cause}) for setup in (before, after)]
     if cause != "downwash":  # it moves the vehicles above cf1
         assert repaired[0].scenario == repaired[1].scenario
     assert after.scenario != before.scenario
@@ -54,15 +54,15 @@ def test_of_causes_that_only_act_together_the_unusual_one_is_first(
     struck = tuple(Fault(kind, 1.0, 1.0, (), 0.9) for kind in faults)
     scenario = replace(own, faults=struck, disturbance=replace(own.disturbance, air_std=gusts))
     shares_of = {"wind": 0.4, "lost messages": 0.3, "control": 0.2}
-    case, loss = flight_case(scenario, BlockChoices("ignoring"), 0), Loss("distance", "cf1", 0, 3.0, 1.0)
-    assert first_cause(case, loss, shares_of, lambda out: left[next(iter(out))]) == first
+    setup, loss = flight_setup(scenario, BlockChoices("ignoring"), 0), Loss("distance", "cf1", 0, 3.0, 1.0)
+    assert first_cause(setup, loss, shares_of, lambda out: left[next(iter(out))]) == first
 
 
 def test_a_fault_after_the_loss_or_from_the_start_is_no_event_and_a_flight_may_have_no_cause() -> None:
     loss = Loss("distance", "cf1", 0, 3.0, 1.0)
     for start in (0.0, 3.5):
         scenario = replace(library.load("table6"), faults=(Fault("radio_loss", start, 9.0, (), 0.9),))
-        case = flight_case(scenario, BlockChoices("ignoring"), 0)
-        found = first_cause(case, loss, {"control": 0.4, "lost messages": 0.3}, lambda _: 0.1)
+        setup = flight_setup(scenario, BlockChoices("ignoring"), 0)
+        found = first_cause(setup, loss, {"control": 0.4, "lost messages": 0.3}, lambda _: 0.1)
         assert found == "control"
-    assert first_cause(case, loss, {}, lambda _: 1.0) is None
+    assert first_cause(setup, loss, {}, lambda _: 1.0) is None

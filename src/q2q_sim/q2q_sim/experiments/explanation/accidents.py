@@ -25,7 +25,7 @@ import numpy as np
 
 from q2q_model.signals.values import Names
 from q2q_sim.campaigns.random_runs.random_run import GAINS, ROOMS
-from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup, flight_setup, fly_setup
 from q2q_sim.experiments.explanation.loss import largest_loss
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
@@ -50,14 +50,14 @@ COME, STAY = 2.0, 6.0
 STRUCK = (2.0, 3.0)
 """When faults begin [s]."""
 
-Injection = Callable[[FlightCase, np.random.Generator], FlightCase]
+Injection = Callable[[FlightSetup, np.random.Generator], FlightSetup]
 
 
 @dataclass(frozen=True, slots=True)
 class Accident:
     """Accident and its first cause."""
 
-    case: FlightCase
+    setup: FlightSetup
     first: str
 
 
@@ -77,7 +77,7 @@ def accident(seed: int) -> Accident:
     raise ValueError(f"seed {seed}: none of {TRIES} flights is an accident by {first}")
 
 
-def ordinary_flight(seed: int, rng: np.random.Generator) -> FlightCase:
+def ordinary_flight(seed: int, rng: np.random.Generator) -> FlightSetup:
     """Return a random flight in an ordinary room."""
     gains = {name: gain * float(rng.uniform(*GAIN_FACTORS)) for name, gain in GAINS.items()}
     document = {
@@ -89,7 +89,7 @@ def ordinary_flight(seed: int, rng: np.random.Generator) -> FlightCase:
         "overrides": {"pid": gains},
     }
     mode = str(rng.choice(["ignoring", "aware_unlimited"]))
-    return flight_case(scenario_from_document("accident", document), BlockChoices(mode), seed)
+    return flight_setup(scenario_from_document("accident", document), BlockChoices(mode), seed)
 
 
 def _paths(gap: float, aside: float) -> dict[str, object]:
@@ -105,71 +105,73 @@ def _way(begin: tuple[float, float, float], end: tuple[float, float, float]) -> 
     return [{"t": t, "pos": list(pos)} for t, pos in ((0.0, begin), (COME, end), (STAY, end))]
 
 
-def _distance(case: FlightCase) -> float:
-    return largest_loss(fly_flight_case(case)).size
+def _distance(setup: FlightSetup) -> float:
+    return largest_loss(fly_setup(setup)).size
 
 
-def _stacked(case: FlightCase, rng: np.random.Generator) -> FlightCase:
+def _stacked(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
     above = _paths(float(rng.uniform(*GAPS)), float(rng.uniform(*RIGHT_ABOVE)))
     waypoints = scenario_from_document("stack", {"vehicles": above}).waypoints
-    scenario = replace(case.scenario, waypoints=waypoints)
-    return flight_case(scenario, replace(case.options, mode="ignoring"), case.seed)
+    scenario = replace(setup.scenario, waypoints=waypoints)
+    return flight_setup(scenario, replace(setup.options, mode="ignoring"), setup.seed)
 
 
-def _weak(case: FlightCase, rng: np.random.Generator) -> FlightCase:
+def _weak(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
     kind = str(rng.choice(["battery_sag", "weak_rotor"]))
-    return _with_fault(case, rng, kind, lasts=(1.0, 3.0), size=(0.1, 0.7))
+    return _with_fault(setup, rng, kind, lasts=(1.0, 3.0), size=(0.1, 0.7))
 
 
-def _misled(case: FlightCase, rng: np.random.Generator) -> FlightCase:
+def _misled(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
     kind = str(rng.choice(["jump", "swap", "dropout", "stale"]))
     sizes = (0.3, 1.0) if kind == "jump" else (0.0, 0.0)
-    return _with_fault(case, rng, kind, lasts=(0.3, 3.0), size=sizes)
+    return _with_fault(setup, rng, kind, lasts=(0.3, 3.0), size=sizes)
 
 
-def _late(case: FlightCase, rng: np.random.Generator) -> FlightCase:
+def _late(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
     if rng.random() < 0.5:
-        return _with_fault(case, rng, "late", lasts=(0.5, 3.0), size=(0.05, 0.4))
-    radio = replace(case.scenario.radio, latency=float(rng.uniform(0.05, 0.4)))
-    return replace(case, scenario=replace(case.scenario, radio=radio))
+        return _with_fault(setup, rng, "late", lasts=(0.5, 3.0), size=(0.05, 0.4))
+    radio = replace(setup.scenario.radio, latency=float(rng.uniform(0.05, 0.4)))
+    return replace(setup, scenario=replace(setup.scenario, radio=radio))
 
 
-def _deaf(case: FlightCase, rng: np.random.Generator) -> FlightCase:
+def _deaf(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
     if rng.random() < 0.5:
-        return _with_fault(case, rng, "radio_loss", lasts=(0.3, 3.0), size=(0.7, 1.0))
-    radio = replace(case.scenario.radio, loss=float(rng.uniform(0.7, 0.99)))
-    return replace(case, scenario=replace(case.scenario, radio=radio))
+        return _with_fault(setup, rng, "radio_loss", lasts=(0.3, 3.0), size=(0.7, 1.0))
+    radio = replace(setup.scenario.radio, loss=float(rng.uniform(0.7, 0.99)))
+    return replace(setup, scenario=replace(setup.scenario, radio=radio))
 
 
-def _badly_tuned(case: FlightCase, rng: np.random.Generator) -> FlightCase:
+def _badly_tuned(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
     changed = ["k_p_z", "k_p_xy", "k_i_z", "k_i_xy"] if rng.random() < 0.5 else ["k_d_z", "k_d_xy"]
-    own = dict(case.scenario.overrides["pid"])
+    own = dict(setup.scenario.overrides["pid"])
     for name in changed:
         own[name] = GAINS[name] * float(rng.uniform(0.0, 0.3))
-    return replace(case, scenario=replace(case.scenario, overrides={**case.scenario.overrides, "pid": own}))
+    return replace(
+        setup, scenario=replace(setup.scenario, overrides={**setup.scenario.overrides, "pid": own})
+    )
 
 
-def _gusty(case: FlightCase, rng: np.random.Generator) -> FlightCase:
-    air = replace(case.scenario.disturbance, air_std=float(rng.uniform(0.5, 4.0)))
-    return replace(case, scenario=replace(case.scenario, disturbance=air))
+def _gusty(setup: FlightSetup, rng: np.random.Generator) -> FlightSetup:
+    air = replace(setup.scenario.disturbance, air_std=float(rng.uniform(0.5, 4.0)))
+    return replace(setup, scenario=replace(setup.scenario, disturbance=air))
 
 
 def _with_fault(
-    case: FlightCase,
+    setup: FlightSetup,
     rng: np.random.Generator,
     kind: str,
     *,
     lasts: tuple[float, float],
     size: tuple[float, float],
-) -> FlightCase:
+) -> FlightSetup:
     fault = Fault(
         kind=kind,
         start=float(rng.uniform(*STRUCK)),
         duration=float(rng.uniform(*lasts)),
-        vehicles=_named_vehicles(kind, case.scenario.names),
+        vehicles=_named_vehicles(kind, setup.scenario.names),
         size=float(rng.uniform(*size)),
     )
-    return replace(case, scenario=replace(case.scenario, faults=(fault,)))
+    return replace(setup, scenario=replace(setup.scenario, faults=(fault,)))
 
 
 def _named_vehicles(kind: str, names: Names) -> Names:

@@ -23,7 +23,7 @@ from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 from q2q_sim.campaigns.random_runs.random_run import GAINS
-from q2q_sim.experiments.explanation.flight_case import FlightCase
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.sensors.vicon_params import ViconParams
 
@@ -42,34 +42,34 @@ FAULTS: Mapping[str, Collection[str]] = {
 """Kinds of q2q_sim.faults.faults by cause."""
 
 
-def without_causes(case: FlightCase, causes: Collection[str]) -> FlightCase:
+def without_causes(setup: FlightSetup, causes: Collection[str]) -> FlightSetup:
     """Return the flight without some of CAUSES, and without their faults."""
     for cause in CAUSES:  # in one order, whatever that of `causes`
         if cause in causes:
-            case = CAUSES[cause](_without_faults(case, FAULTS.get(cause, ())))
-    return case
+            setup = CAUSES[cause](_without_faults(setup, FAULTS.get(cause, ())))
+    return setup
 
 
-def present_causes(case: FlightCase) -> tuple[str, ...]:
+def present_causes(setup: FlightSetup) -> tuple[str, ...]:
     """Return the causes that a flight contains."""
-    return tuple(cause for cause in CAUSES if _differs(without_causes(case, {cause}), case))
+    return tuple(cause for cause in CAUSES if _differs(without_causes(setup, {cause}), setup))
 
 
-def _differs(one: FlightCase, other: FlightCase) -> bool:
+def _differs(one: FlightSetup, other: FlightSetup) -> bool:
     return one.scenario != other.scenario or one.options != other.options or one.air is not other.air
 
 
-def _without_faults(case: FlightCase, kinds: Collection[str]) -> FlightCase:
-    kept = tuple(fault for fault in case.scenario.faults if fault.kind not in kinds)
-    return replace(case, scenario=replace(case.scenario, faults=kept))
+def _without_faults(setup: FlightSetup, kinds: Collection[str]) -> FlightSetup:
+    kept = tuple(fault for fault in setup.scenario.faults if fault.kind not in kinds)
+    return replace(setup, scenario=replace(setup.scenario, faults=kept))
 
 
-def _without_downwash(case: FlightCase) -> FlightCase:
-    still = _in_still_air(case.air)
-    gone = case.scenario.wake != "none" if case.air is None else still is not case.air
+def _without_downwash(setup: FlightSetup) -> FlightSetup:
+    still = _in_still_air(setup.air)
+    gone = setup.scenario.wake != "none" if setup.air is None else still is not setup.air
     if not gone:
-        return case
-    return replace(case, scenario=replace(case.scenario, wake="none", model="none"), air=still)
+        return setup
+    return replace(setup, scenario=replace(setup.scenario, wake="none", model="none"), air=still)
 
 
 def _in_still_air(air: FlownAir | None) -> FlownAir | None:
@@ -79,13 +79,13 @@ def _in_still_air(air: FlownAir | None) -> FlownAir | None:
     return air if air is None else WakeLaw.NONE
 
 
-def _without_wind(case: FlightCase) -> FlightCase:
-    if isinstance(case.air, RoomAir):
-        return replace(case, air=_without_terms(case.air, ("wind",)))
-    if case.air is not None:  # a wake law: still air
-        return case
-    still = replace(case.scenario.disturbance, air_std=0.0)
-    return replace(case, scenario=replace(case.scenario, disturbance=still))
+def _without_wind(setup: FlightSetup) -> FlightSetup:
+    if isinstance(setup.air, RoomAir):
+        return replace(setup, air=_without_terms(setup.air, ("wind",)))
+    if setup.air is not None:  # a wake law: still air
+        return setup
+    still = replace(setup.scenario.disturbance, air_std=0.0)
+    return replace(setup, scenario=replace(setup.scenario, disturbance=still))
 
 
 def _without_terms(air: RoomAir, terms: Collection[str]) -> RoomAir:
@@ -93,15 +93,15 @@ def _without_terms(air: RoomAir, terms: Collection[str]) -> RoomAir:
     return without_terms(air, present) if present else air
 
 
-def _without_saturation(case: FlightCase) -> FlightCase:
-    strong = _strong(case.scenario.vehicle)
+def _without_saturation(setup: FlightSetup) -> FlightSetup:
+    strong = _strong(setup.scenario.vehicle)
     limit = {"thrust_max": strong.thrust_max}
-    overrides = {**case.scenario.overrides}
+    overrides = {**setup.scenario.overrides}
     for block in ("pid", "mpc"):
         overrides[block] = {**overrides.get(block, {}), **limit}
-    even = replace(case.scenario.disturbance, thrust_gain_min=1.0, thrust_gain_max=1.0)
-    changed = replace(case.scenario, vehicle=strong, overrides=overrides, disturbance=even)
-    return replace(case, scenario=changed, air=_in_even_air(case.air))
+    even = replace(setup.scenario.disturbance, thrust_gain_min=1.0, thrust_gain_max=1.0)
+    changed = replace(setup.scenario, vehicle=strong, overrides=overrides, disturbance=even)
+    return replace(setup, scenario=changed, air=_in_even_air(setup.air))
 
 
 def _strong(vehicle: Vehicle) -> Vehicle:
@@ -132,43 +132,43 @@ def _even(term: VehicleTerm) -> VehicleTerm:
     )
 
 
-def _without_mocap_errors(case: FlightCase) -> FlightCase:
-    perfect = ViconParams(latency=case.scenario.vicon.latency)
-    return replace(case, scenario=replace(case.scenario, vicon=perfect))
+def _without_mocap_errors(setup: FlightSetup) -> FlightSetup:
+    perfect = ViconParams(latency=setup.scenario.vicon.latency)
+    return replace(setup, scenario=replace(setup.scenario, vicon=perfect))
 
 
-def _without_latency(case: FlightCase) -> FlightCase:
-    vicon = replace(case.scenario.vicon, latency=0.0)
-    radio = replace(case.scenario.radio, latency=0.0, jitter=0.0)
-    return replace(case, scenario=replace(case.scenario, vicon=vicon, radio=radio))
+def _without_latency(setup: FlightSetup) -> FlightSetup:
+    vicon = replace(setup.scenario.vicon, latency=0.0)
+    radio = replace(setup.scenario.radio, latency=0.0, jitter=0.0)
+    return replace(setup, scenario=replace(setup.scenario, vicon=vicon, radio=radio))
 
 
-def _without_losses(case: FlightCase) -> FlightCase:
-    radio = replace(case.scenario.radio, loss=0.0, rate=RadioParams().rate)
-    return replace(case, scenario=replace(case.scenario, radio=radio))
+def _without_losses(setup: FlightSetup) -> FlightSetup:
+    radio = replace(setup.scenario.radio, loss=0.0, rate=RadioParams().rate)
+    return replace(setup, scenario=replace(setup.scenario, radio=radio))
 
 
-def _with_reference_control(case: FlightCase) -> FlightCase:
-    own = case.scenario.overrides.get("pid", {})
+def _with_reference_control(setup: FlightSetup) -> FlightSetup:
+    own = setup.scenario.overrides.get("pid", {})
     limit = {name: value for name, value in own.items() if name == "thrust_max"}
-    overrides = {**case.scenario.overrides, "pid": limit | GAINS}
-    scenario = replace(case.scenario, overrides=overrides, model=_fitting_model(case))
+    overrides = {**setup.scenario.overrides, "pid": limit | GAINS}
+    scenario = replace(setup.scenario, overrides=overrides, model=_fitting_model(setup))
     return replace(
-        case,
+        setup,
         scenario=scenario,
-        options=replace(case.options, controller="pid", replan="none", correct=False),
+        options=replace(setup.options, controller="pid", replan="none", correct=False),
     )
 
 
-def _fitting_model(case: FlightCase) -> str:
+def _fitting_model(setup: FlightSetup) -> str:
     """Return the model of the flown wake; in other air, and where downwash is ignored, the flight's own."""
-    law = wake_by_name(case.scenario.wake) if case.air is None else case.air
-    if isinstance(law, WakeLaw) and case.options.aware:
+    law = wake_by_name(setup.scenario.wake) if setup.air is None else setup.air
+    if isinstance(law, WakeLaw) and setup.options.aware:
         return BELIEFS[law]
-    return case.scenario.model
+    return setup.scenario.model
 
 
-CAUSES: Mapping[str, Callable[[FlightCase], FlightCase]] = {
+CAUSES: Mapping[str, Callable[[FlightSetup], FlightSetup]] = {
     "downwash": _without_downwash,
     "battery and saturation": _without_saturation,
     "motion capture": _without_mocap_errors,

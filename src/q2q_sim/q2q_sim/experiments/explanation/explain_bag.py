@@ -8,17 +8,17 @@ from rich.progress import Progress
 from q2q_model.documents.json_file import Json, write_json
 from q2q_sim.experiments.explanation.explanation import Explanation, ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
-from q2q_sim.experiments.explanation.recorded_case import recorded_case
+from q2q_sim.experiments.explanation.recorded_setup import recorded_setup
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_text
 
 
 def explain_bag(args: Namespace) -> int:
     """Explain a bag, print the sentence and write page and numbers; return the exit status."""
-    recorded = recorded_case(args.bag)
+    recorded = recorded_setup(args.bag)
     with Progress(console=Console(stderr=True)) as bar:
         task = bar.add_task("explain", total=1.0)
         params = ExplanationParams(args.orders, args.draws, args.of)
-        found = explain(recorded.case, params, lambda share: bar.update(task, completed=share))
+        found = explain(recorded.setup, params, lambda share: bar.update(task, completed=share))
     if args.json:
         write_json(explanation_json(found, recorded.difference), args.json)
     if args.out:

@@ -23,7 +23,7 @@ from scipy.special import stdtrit
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.explanation.causes import present_causes, without_causes
 from q2q_sim.experiments.explanation.first_cause import first_cause
-from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup, fly_setup
 from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, loss_over_time
 from q2q_sim.experiments.explanation.shapley import (
     CauseOrder,
@@ -97,16 +97,16 @@ def ignore_progress(_: float) -> None:
 
 
 def explain(
-    case: FlightCase, params: ExplanationParams | None = None, follow: Follow = ignore_progress
+    setup: FlightSetup, params: ExplanationParams | None = None, follow: Follow = ignore_progress
 ) -> Explanation:
     """Return the explanation of a flight's largest loss; `follow` is called with the flown share, 0 to 1."""
     params = params or ExplanationParams()
-    loss = largest_loss(fly_flight_case(case), params.kind)
-    end = min(case.scenario.duration, loss.t + AFTER)
-    short = cut_case(case, end)
+    loss = largest_loss(fly_setup(setup), params.kind)
+    end = min(setup.scenario.duration, loss.t + AFTER)
+    short = cut_setup(setup, end)
     causes = present_causes(short)
-    orders = orders_of(causes, params.orders, stream(case.seed, "explanation orders"))
-    values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.draws)]
+    orders = orders_of(causes, params.orders, stream(setup.seed, "explanation orders"))
+    values = [loss_without(replace(short, seed=setup.seed + k), loss) for k in range(params.draws)]
     found = _all_shares(causes, orders, values, follow)
     exact = all_orders_fit(causes, params.orders)
     split = _split(causes, found, exact=exact)
@@ -122,19 +122,19 @@ def explain(
     )
 
 
-def cut_case(case: FlightCase, end: float) -> FlightCase:
+def cut_setup(setup: FlightSetup, end: float) -> FlightSetup:
     """Return a flight that ends at a time [s], without the faults that begin later."""
-    begun = tuple(fault for fault in case.scenario.faults if fault.start < end)
-    return replace(case, scenario=replace(case.scenario, duration=end, faults=begun))
+    begun = tuple(fault for fault in setup.scenario.faults if fault.start < end)
+    return replace(setup, scenario=replace(setup.scenario, duration=end, faults=begun))
 
 
-def loss_without(case: FlightCase, loss: Loss) -> ValueOfCauses:
+def loss_without(setup: FlightSetup, loss: Loss) -> ValueOfCauses:
     """Return the loss [m] of a vehicle as a function of the causes taken out; each set is flown once."""
     known: dict[frozenset[str], float] = {}
 
     def value(removed: frozenset[str]) -> float:
         if removed not in known:
-            flight = fly_flight_case(without_causes(case, removed))
+            flight = fly_setup(without_causes(setup, removed))
             known[removed] = float(loss_over_time(flight, loss.kind)[:, loss.row].max())
         return known[removed]
 

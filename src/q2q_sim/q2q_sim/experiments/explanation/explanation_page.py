@@ -10,9 +10,9 @@ from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.explanation import Explanation
 from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
-from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup, fly_setup
 from q2q_sim.experiments.explanation.loss import LOST
-from q2q_sim.experiments.explanation.recorded_case import RecordedCase
+from q2q_sim.experiments.explanation.recorded_setup import RecordedSetup
 from q2q_sim.replay_page import ReplayRun, in_air, replay_element, replay_run
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import panels, save
@@ -27,7 +27,7 @@ NOTES = (
 )
 
 
-def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path) -> Path:
+def write_page(found: Explanation, recorded: RecordedSetup, name: str, out: Path) -> Path:
     """Write page and picture of a flight's explanation into a folder; return the page's path."""
     picture = save(_bars(found), out / "causes.png")
     rows = [(one.cause, *map(_centimetres, (one.share, one.low, one.high))) for one in found.shares]
@@ -75,21 +75,21 @@ def _bars(found: Explanation) -> Figure:
     return figure
 
 
-def _replay(found: Explanation, recorded: RecordedCase) -> list[Part]:
+def _replay(found: Explanation, recorded: RecordedSetup) -> list[Part]:
     """Return the replay of the flight next to that without the first cause, alone if there is none."""
     flights = {"as flown": recorded.flight}
     if found.shares:
         first = found.shares[0].cause
-        flights[f"without {first}"] = fly_flight_case(without_causes(recorded.case, {first}))
+        flights[f"without {first}"] = fly_setup(without_causes(recorded.setup, {first}))
     try:
-        replay = replay_element(_runs(flights, recorded.case))
+        replay = replay_element(_runs(flights, recorded.setup))
         return [Heading(" and ".join(flights).capitalize()), Markup(replay)]
     except ValueError as lacking:
         return [f"No replay: {lacking}."]
 
 
-def _runs(flights: dict[str, Flight], case: FlightCase) -> list[ReplayRun]:
-    flown = case.scenario
+def _runs(flights: dict[str, Flight], setup: FlightSetup) -> list[ReplayRun]:
+    flown = setup.scenario
     return [
         in_air(replay_run(flight, flown.vehicle, name), flown.air or flown.wake)
         for name, flight in flights.items()

@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Mapping
 
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.explanation.causes import FAULTS
-from q2q_sim.experiments.explanation.flight_case import FlightCase
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup
 from q2q_sim.experiments.explanation.loss import Loss
 
 SPARED = 0.5
@@ -26,19 +26,19 @@ WIND = "wind"
 
 
 def first_cause(
-    case: FlightCase, loss: Loss, shares: Mapping[str, float], left: Callable[[Collection[str]], float]
+    setup: FlightSetup, loss: Loss, shares: Mapping[str, float], left: Callable[[Collection[str]], float]
 ) -> str | None:
     """Return the first cause; None if there is no cause.
 
     Args:
-        case: the flight.
+        setup: the flight.
         loss: its loss.
         shares: of the causes in it [m].
         left: returns the loss without some causes [m].
     """
     taken = [cause for cause in shares if left({cause}) <= SPARED * loss.size]
-    faulty = _causes_with_faults(case, loss)
-    usual = {WIND} if _gusts(case) <= ORDINARY_GUSTS else set()
+    faulty = _causes_with_faults(setup, loss)
+    usual = {WIND} if _gusts(setup) <= ORDINARY_GUSTS else set()
     return max(
         taken or shares,
         key=lambda cause: (cause in faulty, cause not in usual, shares[cause]) if taken else shares[cause],
@@ -46,17 +46,17 @@ def first_cause(
     )
 
 
-def _causes_with_faults(case: FlightCase, loss: Loss) -> set[str]:
+def _causes_with_faults(setup: FlightSetup, loss: Loss) -> set[str]:
     """Return the causes with faults that began after the start and before the loss."""
-    kinds = {fault.kind for fault in case.scenario.faults if 0.0 < fault.start <= loss.t}
+    kinds = {fault.kind for fault in setup.scenario.faults if 0.0 < fault.start <= loss.t}
     return {cause for cause, own in FAULTS.items() if kinds & {*own}}
 
 
-def _gusts(case: FlightCase) -> float:
+def _gusts(setup: FlightSetup) -> float:
     """Return the standard deviation of a flight's gusts [m/s^2]; infinite with a steady wind beyond that."""
-    if case.air is None:
-        return case.scenario.disturbance.air_std
-    term = case.air.wind if isinstance(case.air, RoomAir) else None
+    if setup.air is None:
+        return setup.scenario.disturbance.air_std
+    term = setup.air.wind if isinstance(setup.air, RoomAir) else None
     if term is None:
         return 0.0
     steady = max(map(abs, term.mean_mps2))

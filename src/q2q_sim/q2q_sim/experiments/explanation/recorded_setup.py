@@ -1,4 +1,4 @@
-"""Recorded flight as a FlightCase, by the metadata of its bag, checked by flying it again.
+"""Recorded flight as a FlightSetup, by the metadata of its bag, checked by flying it again.
 
 A bag names scenario, vehicle, air, controller, model and seed, but neither the replanner nor a plan around
 the downwash: every replanner is tried until the positions are those of the bag.
@@ -15,7 +15,7 @@ from q2q_model.model_files.model_names import check_model_name
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
-from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
+from q2q_sim.experiments.explanation.flight_setup import FlightSetup, flight_setup, fly_setup
 from q2q_sim.flight_bag.scenario_facts import flown_scenario
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios.choices import REPLANNERS
@@ -28,17 +28,17 @@ SAME = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class RecordedCase:
+class RecordedSetup:
     """Flight of a bag that can be flown again."""
 
-    case: FlightCase
+    setup: FlightSetup
     flight: Flight
     """Flown again."""
     difference: float
     """Largest distance between recorded and new positions [m]."""
 
 
-def recorded_case(bag: Path) -> RecordedCase:
+def recorded_setup(bag: Path) -> RecordedSetup:
     """Return the flight of a bag, flown again.
 
     Raises:
@@ -49,11 +49,11 @@ def recorded_case(bag: Path) -> RecordedCase:
     found = np.inf
     for replan in REPLANNERS:
         options = BlockChoices(facts.mode, facts.controller, replan, facts.correct == "true")
-        case = flight_case(scenario, options, int(facts.seed))
-        flight = fly_flight_case(case)
+        setup = flight_setup(scenario, options, int(facts.seed))
+        flight = fly_setup(setup)
         found = min(found, difference := largest_difference(recorded, flight))
         if difference <= SAME:
-            return RecordedCase(case, flight, difference)
+            return RecordedSetup(setup, flight, difference)
     raise ValueError(
         f"{bag}: flown again, a vehicle is {found:.3g} m off its recorded position, at most {SAME} m is"
         " allowed: only flights in lockstep, by one controller, without --plan avoid, whose scenario"

@@ -14,8 +14,8 @@ from q2q_sim.scenarios.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
-class FlightCase:
-    """Flight of a scenario."""
+class FlightSetup:
+    """Setup of a flight: all that decides it."""
 
     scenario: Scenario
     options: BlockChoices
@@ -25,29 +25,29 @@ class FlightCase:
     """Air in place of the scenario's wake and disturbance; None keeps those."""
 
 
-def flight_case(scenario: Scenario, options: BlockChoices, seed: int) -> FlightCase:
+def flight_setup(scenario: Scenario, options: BlockChoices, seed: int) -> FlightSetup:
     """Return the flight of a scenario in its own air, along its own plan.
 
     Raises:
         ValueError: the air or the plan does not exist.
     """
     air = air_of(scenario) if scenario.air else None
-    return FlightCase(scenario, options, seed, plan_of(scenario), air)
+    return FlightSetup(scenario, options, seed, plan_of(scenario), air)
 
 
-def fly_flight_case(case: FlightCase) -> Flight:
-    """Fly a case without ROS and return the recording."""
-    options, known = case.options, find_model(case.scenario.model)
+def fly_setup(setup: FlightSetup) -> Flight:
+    """Fly a flight without ROS as set up; return its recording."""
+    options, known = setup.options, find_model(setup.scenario.model)
     return fly(
-        case.scenario,
+        setup.scenario,
         FlightOptions(
             mode=next(mode for mode in MODES if mode == options.mode),
             controller=options.controller,
             replan=options.replan,
-            seed=case.seed,
+            seed=setup.seed,
             model=known.interaction,
-            air=case.air,
-            plan=case.plan,
+            air=setup.air,
+            plan=setup.plan,
             residual_process=(known.residual or REAL_FLIGHTS) if options.correct else None,
         ),
     )

@@ -11,8 +11,8 @@ from q2q_model.bag import FlightFacts, read_flight
 from q2q_sim.campaigns.random_runs.campaign_flight import fly_pure, keep_run
 from q2q_sim.campaigns.random_runs.random_run import Run, draw_run
 from q2q_sim.commands.explain import main
-from q2q_sim.experiments.explanation import recorded_case as cases
-from q2q_sim.experiments.explanation.recorded_case import recorded_case
+from q2q_sim.experiments.explanation import recorded_setup as setups
+from q2q_sim.experiments.explanation.recorded_setup import recorded_setup
 from q2q_sim.flight_bag.scenario_facts import flown_scenario, scenario_facts
 from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios import library
@@ -31,17 +31,17 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_bag_is_flown_again_to_the_last_bit(kept: Path) -> None:
-    found = recorded_case(kept)
+    found = recorded_setup(kept)
     assert found.difference < 1e-9
-    assert found.case.seed == 0
+    assert found.setup.seed == 0
 
 
 def test_of_a_bag_that_ends_early_only_the_recorded_flight_is_explained(
     kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = recorded_case(kept)
-    monkeypatch.setattr(cases, "read_flight", lambda bag: part_of_flight(read_flight(bag), 0.0, 0.2))
-    found = recorded_case(kept)
+    whole = recorded_setup(kept)
+    monkeypatch.setattr(setups, "read_flight", lambda bag: part_of_flight(read_flight(bag), 0.0, 0.2))
+    found = recorded_setup(kept)
     assert found.difference < 1e-9
     assert found.flight.t[-1] == pytest.approx(0.2)
     np.testing.assert_array_equal(found.flight.true_pos, whole.flight.true_pos[: len(found.flight.t)])
@@ -78,7 +78,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_any_flight(
 ) -> None:
     nowhere = tmp_path / "out"
     nowhere.symlink_to(tmp_path / "gone")
-    monkeypatch.setattr(cases, "fly_flight_case", lambda _: pytest.fail("flown"))
+    monkeypatch.setattr(setups, "fly_setup", lambda _: pytest.fail("flown"))
     assert main([str(kept), written[0], str(nowhere.joinpath(*written[1:]))]) == 1
     assert capsys.readouterr().err == f"explain: {nowhere}: File exists\n"
 
