@@ -48,13 +48,6 @@ class TransitParams:
         low=0.01,
         high=5.0,
     )
-    transit_eps: float = tunable(
-        0.2,
-        "radius of the cylinder that a transit keeps free of other vehicles",
-        unit="m",
-        low=0.01,
-        high=5.0,
-    )
     transit_d: float = tunable(
         Cylinder().d,
         "half height of the cylinder around each vehicle that a transit keeps free of other vehicles",
