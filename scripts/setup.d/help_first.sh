@@ -12,6 +12,6 @@ help_first() {
     "$python" -I -S "$root/scripts/setup.d/tool_help.py" "$module" || status=$?
     [ "$status" -eq 3 ] || exit "$status"
   done
-  echo "no Python 3.11 or 3.12 is here: scripts/setup says what to install" >&2
+  echo "no Python 3.11 or 3.12 found: scripts/setup says what to install" >&2
   exit 1
 }

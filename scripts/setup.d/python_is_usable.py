@@ -11,7 +11,7 @@ def reason():  # noqa: ANN201 (old interpreters run this)
     """Return what is missing, or an empty string."""
     version = "%d.%d" % sys.version_info[:2]  # noqa: UP031 (old interpreters run this)
     if sys.version_info[:2] not in ((3, 11), (3, 12)):
-        return "is Python " + version + ", and 3.11 or 3.12 is needed"
+        return "is Python " + version + ", not 3.11 or 3.12"
     try:
         import ensurepip  # noqa: F401
         import venv  # noqa: F401

@@ -144,7 +144,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
             return trace_in(folder / "bag")
 
         first, second = flown("first", run.seed), flown("second", run.seed + 1)
-        with pytest.raises(ValueError, match="parameter seed: must be 0 or more"):
+        with pytest.raises(ValueError, match="parameter seed must be at least 0"):
             flown("third", -1)
         again = flown("fourth", run.seed)
     pure = trace_in_lockstep(campaign_flight.fly_pure(short).topics)

@@ -55,7 +55,7 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
     assert campaign.main(["--case", case, "--out", str(tmp_path)]) == 1
     page = tmp_path / f"{Path(case).stem}.html"
     said = capsys.readouterr().out
-    assert "tilt: cf1 at 1.00 s: 0.5 rad of commanded tilt, at most 0.36 rad is allowed" in said
+    assert "tilt: cf1 at 1.00 s: 0.5 rad of commanded tilt (maximum 0.36 rad)" in said
     assert f"replay: {page}" in said
     assert "cf1, tilt" in page.read_text()
     assert "cf1, tilt" in Path(case).with_suffix(".html").read_text()

@@ -29,7 +29,7 @@ def test_a_refused_model_is_an_error_of_health_and_floods_no_log() -> None:
     graded = health_report(Health(), wiring.health)
     assert graded.level is Level.ERROR
     assert graded.trouble  # which the log has once a text
-    assert graded.summary.startswith("refused: model, the last one is kept: not complete JSON")
+    assert graded.summary.startswith("refused: model (the last one is kept): not complete JSON")
     assert node.lines == []
 
 
@@ -37,7 +37,7 @@ def test_a_model_that_would_throw_vehicles_to_the_ceiling_is_refused() -> None:
     node, wiring = flying()
     rising = Jet(strength=20.0, decay="exponential", decay_rate=-5.0, range=10.0)
     node.takers["model"](String(data=encode(ModelFile(rising))))
-    assert "at most 49.1, five g, are allowed" in wiring.health.last_refusal
+    assert "must be at most 49.1 (5 g)" in wiring.health.last_refusal
 
 
 def test_a_model_after_refused_ones_is_loaded() -> None:

@@ -43,12 +43,12 @@ def test_an_invalid_plan_is_refused_with_its_reason_and_the_next_one_is_taken() 
         ({"coefficients": array("d", [np.nan] * 16)}, "a coefficient is not finite"),
         ({"coefficients": array("d", [0.0])}, "plan has 1 coefficients; its pieces need 16"),
         ({"names": ["cf1", "cf1"]}, "duplicate vehicle names in cf1, cf1"),
-        ({"durations": array("d", [5.0, 1e9])}, "plan of 1e+09 s: 2 vehicles may fly for 50000 s at most"),
+        ({"durations": array("d", [5.0, 1e9])}, "plan of 1e+09 s; must be at most 50000 s for 2 vehicles"),
         ({"names": [], "pieces": [], "durations": [], "coefficients": []}, "at least one piece"),
     ):
         node.takers["plan"](plan(**changed))
         assert reason in wiring.health.last_refusal
-        assert wiring.health.last_refusal.startswith("plan, the last one is kept: ")
+        assert wiring.health.last_refusal.startswith("plan (the last one is kept): ")
     assert health_report(Health(), wiring.health).level is Level.ERROR
     node.takers["plan"](plan())
     assert wiring.health.refused == 5
@@ -58,7 +58,7 @@ def test_a_plan_far_from_the_references_is_a_doubt_until_another_one_comes_and_o
     node = RoomNode("mpc", {"model": "none"}, {})
     wiring = mpc_node.build(node)
     away = replace(setpoint(PLAN.names), pos=np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]))
-    report = "plan: it is far from the setpoints: cf2 5.0 m; they may come from another plan"
+    report = "plan: far from the setpoints: cf2 5.0 m: check that they come from this plan"
     node.takers["plan"](plan())
     for tick in range(3):
         node.takers["reference_safe"](encode(away, tick * 10_000_000))
@@ -81,7 +81,7 @@ def test_a_node_that_starts_after_the_plan_has_ended_has_no_doubt_while_vehicles
     away = replace(hold, t=62.0, pos=np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]))
     node.takers["reference_safe"](encode(away, 62 * 10**9))
     report = health_report(Health(), wiring.health).summary
-    assert report.startswith("plan: it ended 55.0 s before it came, and is far from the setpoints: cf2 5.0 m")
+    assert report.startswith("plan: ended 55.0 s before it arrived, far from the setpoints: cf2 5.0 m")
     assert node.lines == [f"{report}; flown without looking ahead"]
 
 

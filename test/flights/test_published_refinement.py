@@ -118,7 +118,7 @@ def test_a_gain_is_told_while_it_stands_at_its_limit_only() -> None:
     held, free = Heard("identify", {"prior": 0.0, "gain_min": 0.6}), Heard("identify", {"prior": 1e3})
     assert strength_of(after(400, held, LAW, CRAZYFLIE_2_0).refined) == 0.6 * strength_of(LAW)
     assert set(held.log.lines) == {
-        "gain is held at gain_min = 0.6: the model, --vehicle or a sensor does not fit this flight"
+        "gain is held at its limit gain_min = 0.6: the model, --vehicle or a sensor does not fit"
     }
     after(400, free, LAW, CRAZYFLIE_2_0)
     assert free.log.lines == []
@@ -135,8 +135,8 @@ def test_nothing_is_published_or_written_for_another_vehicle(tmp_path: Path) -> 
 def test_nothing_is_written_without_a_complete_tick(tmp_path: Path) -> None:
     node = Heard("identify", {})
     online = OnlineIdentification(node, LAW, CRAZYFLIE_2_0)
-    assert online.end(tmp_path / "m.q2q") == "no tick was complete: state, command, imu not received"
+    assert online.end(tmp_path / "m.q2q") == "no complete tick: state, command, imu not received"
     state = tick(1)[0]
     {kind.__name__: receive for kind, receive in node.readers}["SwarmState"](encode(state, 10**7))
-    assert online.end(tmp_path / "m.q2q") == "no tick was complete: command, imu not received, state received"
+    assert online.end(tmp_path / "m.q2q") == "no complete tick: command, imu not received, state received"
     assert list(tmp_path.iterdir()) == []

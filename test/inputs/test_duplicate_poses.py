@@ -17,9 +17,7 @@ from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.ros.absent_packages import interface_packages
 
-TOLD = (
-    "refused: /poses: cf1 given twice: left out, as either pose may be another vehicle's; check its markers"
-)
+TOLD = "refused: /poses: cf1 given twice: ignored, as either pose may be another vehicle's; check its markers"
 
 
 def test_the_duplicate_vehicle_alone_is_left_out_and_told_once(monkeypatch: pytest.MonkeyPatch) -> None:

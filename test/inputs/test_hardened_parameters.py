@@ -202,7 +202,7 @@ def test_a_parameter_that_was_changed_in_flight_is_logged_with_both_values(
     on_change(node, params, Pid(params, TEXTBOOK_065).configure, "law.")
     node.set_parameters([Given("law.k_p_z", value=value) for value in (7.0, -1.0, 7.0)])
     lines = [line.partition("]: ")[2] for line in capfd.readouterr().err.splitlines() if "k_p_z" in line]
-    assert lines == ["law.k_p_z is 7.0 now, was 6.0"]
+    assert lines == ["law.k_p_z changed from 6.0 to 7.0"]
 
 
 def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() -> None:
@@ -242,14 +242,14 @@ def test_what_a_block_has_refused_does_not_stand_in_the_way_of_the_next_change()
 def test_a_value_of_the_wrong_type_is_refused_with_an_example(name: str, value: object, example: str) -> None:
     node = Node("wrong_type", parameter_overrides=[Given(name, value=value)])
     MADE.append(node)
-    message = f"parameter {name} = {value!r}: a value of another type is expected, such as {example}"
+    message = f"parameter {name} = {value!r} has the wrong type; give a value like {example}"
     with pytest.raises(ValueError, match=re.escape(message)):
         declare(node, PidParams() if name == "k_p_z" else ControllerNodeParams())
 
 
 @pytest.mark.parametrize("start", [np.inf, np.nan, 2.0**31, 1e30])
 def test_a_plan_that_starts_beyond_the_last_stamp_of_a_message_is_refused(start: float) -> None:
-    with pytest.raises(ValueError, match=r"start = .*: must be 2147483647\.0 or less s"):
+    with pytest.raises(ValueError, match=r"start = .*; must be at most 2147483647\.0 s"):
         TrajectoryParams(start=start)
     last = TrajectoryParams(start=2.0**31 - 1.0).start
     assert stamp_parts(stamp_from_time(last)) == (2**31 - 1, 0)

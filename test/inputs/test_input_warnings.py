@@ -92,7 +92,7 @@ def test_names_that_are_not_of_vehicles_are_reported_once(node: Node) -> None:
     warn = warn_of_unknown_names(node, "mocap", ("cf1", "cf2"))
     for names in (("cf1",), ("cf1", "wand"), ("cf2", "cf1"), ("wand", "cf1")):
         warn(0, frame(*names))
-    assert warnings(node) == ["mocap: wand ignored: vehicles are cf1, cf2"]
+    assert warnings(node) == ["mocap: wand ignored: the vehicles are cf1, cf2"]
 
 
 def test_without_vehicles_every_name_is_one(node: Node) -> None:
@@ -108,13 +108,17 @@ def test_vehicles_that_a_topic_lacks_are_reported_once(node: Node) -> None:
 
 
 def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_after_a_state(node: Node) -> None:
-    names = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?", Health())
+    names = AbsentNames(
+        node, "state", "reference_safe: {}: check that the plan is for these vehicles", Health()
+    )
     names.update(0, frame("cf7", "cf1"))
     assert warnings(node) == []
     for measured in (("cf1", "cf2"), ("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2", "cf7")):
         names.take_source(measured)
         names.update(0, frame("cf7", "cf1"))
-    message = "reference_safe: cf7 not in state, which has cf1, cf2: is the plan for these vehicles?"
+    message = (
+        "reference_safe: cf7 not in state, which has cf1, cf2: check that the plan is for these vehicles"
+    )
     assert warnings(node) == [message]
 
 
@@ -149,7 +153,7 @@ def test_of_many_names_the_first_are_listed_and_the_others_counted(node: Node) -
     warn_of_missing_names(node, "state", names)(0, frame(*names[:-MOST_NAMES]))
     _, unknown, missing = warnings(node)
     first = ", ".join(names[:MOST_NAMES])
-    assert unknown == f"mocap: {first}, and 9980 more ignored: vehicles are cf1"
+    assert unknown == f"mocap: {first}, and 9980 more ignored: the vehicles are cf1"
     assert missing == f"state: {', '.join(names[-MOST_NAMES:])} missing: it has {first}, and 9960 more"
 
 

@@ -18,7 +18,7 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.values import Names, SwarmState
 
 PERIOD = 0.1
-MESSAGE = "predictions: another node flies cf1, too; stop one (mpc_a, mpc_b write it)"
+MESSAGE = "predictions: another node also flies cf1: stop one (mpc_a, mpc_b write it)"
 
 
 @dataclass

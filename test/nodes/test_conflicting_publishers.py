@@ -134,8 +134,7 @@ def is_idle(node: SharedRoom) -> bool:
 KILLED = "; one that was killed counts until DDS drops it"
 TWICE = "{0}: 2 nodes write it ({1}, {1}); 1 may: stop the others" + KILLED
 NAMESAKES = (
-    "command: 2 nodes write it ({0}, {0}); each must have a name and vehicles of its own: stop the others"
-    + KILLED
+    "command: 2 nodes write it ({0}, {0}); each needs its own name and vehicles: stop the others" + KILLED
 )
 
 
@@ -196,7 +195,7 @@ def test_a_report_of_writers_hides_nothing_that_a_node_doubts_of_the_same_topic(
         node.takers["mocap"](encode(frame, 10**7 * k))
     node.report()
     assert node.graded[0] == Level.WARN
-    assert node.graded[1].startswith("positions beyond pos_max are rejected: cf1")
+    assert node.graded[1].startswith("positions beyond pos_max rejected: cf1")
 
 
 def commands(*orders: tuple[Names, float]) -> list[bytes]:
@@ -213,7 +212,7 @@ def commands(*orders: tuple[Names, float]) -> list[bytes]:
 def test_the_simulator_names_the_vehicles_that_two_controllers_command_once() -> None:
     node = room_for(Simulator, scenario="table6", pace="live", autostart=False)
     node.writers = {"command": ("mpc", "pid")}
-    message = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
+    message = "command: two nodes fly cf2: stop one, or give each its own `vehicles` (mpc, pid write it)"
     for orders, found in (
         ([(("cf1",), 0.2), (("cf2",), 0.3)], ""),
         ([(NAMES, 0.2), (("cf2",), 0.3)], message),

@@ -27,8 +27,8 @@ from q2q_sim.ros.simulator_node import Simulator
 
 CUT = "motors cut by all/emergency: restart this node to fly"
 LOST = (
-    "motors cut, not measured for cut_after_s, until a new flight: "
-    "restart this node, or set stamps back by more than 1 s"
+    "motors cut after cut_after_s without measurements: "
+    "to fly, restart this node or set stamps back by more than 1 s"
 )
 
 
@@ -135,18 +135,20 @@ def test_a_simulator_in_lockstep_warns_once_of_the_command_that_it_waits_for_and
     for wall[0] in (0.5, 1.5, 2.5):
         simulator._diagnostics()
         summaries.append(health_report(Health(), simulator._flight.health).summary)
-    awaited = "command of cf1, cf2 not received: is a controller running?"
+    awaited = "command of cf1, cf2 not received: check that a controller runs"
     assert summaries == ["no tick", f"no tick: {awaited}", f"no tick: {awaited}"]
     assert node.lines == [awaited]
     for wall[0] in (8.0, 13.0, 18.0):
         simulator._on_timer()
-    gave_up = "no command in 8 s (`command_timeout_s`): the vehicles fly on without, a tick every 5 s"
+    gave_up = "no command in 8 s (`command_timeout_s`): the vehicles fly without one, a tick every 5 s"
     assert node.lines == [awaited, gave_up]
     stamped = encode(synthetic_signal(SwarmCommand, 0.0), 1_796_034_108_352_000_000)
     node.takers["command"](stamped)
     simulator._diagnostics()
     simulator._diagnostics()
-    foreign = "command: one is stamped 1796034108.352 s, the frame 0.030 s: stamp each with its frame's stamp"
+    foreign = (
+        "command: a command is stamped 1796034108.352 s, its frame 0.030 s: stamp each with its frame's stamp"
+    )
     assert node.lines == [awaited, gave_up, foreign]
     assert health_report(Health(), simulator._flight.health).summary == f"missing ticks; {foreign}"
 

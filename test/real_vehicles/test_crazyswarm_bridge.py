@@ -243,12 +243,12 @@ def test_without_both_packages_the_node_names_them_and_does_not_start(
 ) -> None:
     without("", monkeypatch)
     node = _Node(mode="command")
-    with pytest.raises(ValueError, match=r"no poses pass; .* no vehicle is flown") as refused:
+    with pytest.raises(ValueError, match=r"no poses are passed on; .* no vehicle can fly") as refused:
         Crazyswarm(node)
     install = "is not installed (sudo apt install ros-jazzy-"
     assert str(refused.value) == (
-        f"motion_capture_tracking_interfaces {install}motion-capture-tracking-interfaces): no poses pass; "
-        f"crazyflie_interfaces {install}crazyflie-interfaces): no vehicle is flown"
+        f"motion_capture_tracking_interfaces {install}motion-capture-tracking-interfaces): "
+        f"no poses are passed on; crazyflie_interfaces {install}crazyflie-interfaces): no vehicle can fly"
     )
 
 
@@ -263,7 +263,7 @@ def test_without_the_vehicles_package_poses_pass_and_nothing_is_streamed(
     node.give(one_command())
     assert "mocap" in node.out
     assert "cf1/cmd_vel_legacy" not in node.out
-    assert [line.partition(": ")[2] for line in node.lines] == ["no vehicle is flown"]
+    assert [line.partition(": ")[2] for line in node.lines] == ["no vehicle can fly"]
 
 
 def test_the_tutorials_file_has_two_vehicles_to_fly_and_a_wand_to_leave_alone() -> None:
@@ -277,7 +277,7 @@ def test_the_tutorials_file_has_two_vehicles_to_fly_and_a_wand_to_leave_alone() 
 
 
 def test_poses_that_would_go_round_and_missing_vehicles_are_refused() -> None:
-    with pytest.raises(ValueError, match="would circulate"):
+    with pytest.raises(ValueError, match="would loop forever"):
         CrazyswarmParams(poses_in="/poses", poses_out="/poses")
     with pytest.raises(ValueError, match="no vehicles"):
         Crazyswarm(_Node(vehicles=()))

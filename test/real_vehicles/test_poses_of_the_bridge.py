@@ -58,7 +58,7 @@ def test_two_drivers_of_motion_capture_are_named(room: RoomNode) -> None:
 
 def test_names_that_motion_capture_has_in_place_of_vehicles_are_told(room: RoomNode) -> None:
     take_poses(room, "CF1", "CF2")
-    advice = "give bodies in motion capture the names of vehicles"
+    advice = "name the bodies in motion capture like the vehicles"
     message = f"/poses has CF1, CF2, none of cf1, cf2: {advice}"
     is_told_until_it_is_mended(room, message, lambda: take_poses(room, "cf2", "cf1", "wand"))
     take_poses(room, "CF1", "CF2")  # vehicles that were there are lost, not misnamed
@@ -96,7 +96,7 @@ def test_a_server_that_requests_a_shorter_deadline_than_is_offered_is_told(room:
                          Reader("crazyflie_server", fast)]  # fmt: skip
     is_told_until_it_is_mended(
         room,
-        "no pose of /poses_filtered reaches crazyflie_server, which requests a deadline of 5 ms: 10 ms are "
+        "no pose of /poses_filtered reaches crazyflie_server, which requires a deadline of 5 ms: 10 ms is "
         "offered; set poses_qos_deadline in server.yaml to 100 Hz or less",
         lambda: room.pose_readers.__setitem__(1, Reader("crazyflie_server", POSES_OUT)),
     )

@@ -110,7 +110,7 @@ def test_a_battery_that_the_server_does_not_log_refuses_the_take_off(monkeypatch
 
 
 REFUSED_BY_WHAT_THE_SERVER_REPORTS = [
-    ({"offset": 0.3}, "cf1 estimates itself 0.30 m from its measured position: 0.10 m is the maximum"),
+    ({"offset": 0.3}, "cf1 estimates itself 0.30 m from its measured position (maximum 0.10 m)"),
     (
         {"held": {"ctrlMel.mass": 0.034, "ctrlMel.massThrust": 132000.0}},
         "cf1 would be sent 68 % of the thrust",

@@ -109,7 +109,7 @@ def test_a_signal_ends_the_call_in_one_line_that_says_that_it_goes_on(pilot: Pil
     process.send_signal(number)
     _, error = process.communicate(timeout=TIMEOUT_S)
     pilot.may_answer.set()
-    assert (error.strip(), process.returncode) == ("call: interrupted; the call goes on", 130)
+    assert (error.strip(), process.returncode) == ("call: interrupted; the call continues", 130)
 
 
 class Silent:
@@ -147,9 +147,7 @@ def test_what_is_no_nodes_name_is_refused_with_one_that_is(
     with pytest.raises(SystemExit) as ended:
         call.parser().parse_args(["land", "--node", given])
     assert ended.value.code == 2
-    assert (
-        f"{given!r} is not the name of a node: give one like radio or room/radio" in capsys.readouterr().err
-    )
+    assert f"{given!r} is not a node name: give one like radio or room/radio" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("given", "node"), [("/radio/", "radio"), ("/room/radio", "room/radio")])

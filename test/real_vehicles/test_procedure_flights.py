@@ -151,7 +151,7 @@ def test_a_start_in_the_middle_of_a_plan_is_refused_with_the_distance(
     room.wait(1.5)
     refusal = room.call(Call.START)
     assert not refusal.granted
-    assert "cf1 is 1.50 m from its setpoint: 0.30 m is the maximum" in refusal.reason
+    assert "cf1 is 1.50 m from its setpoint (maximum 0.30 m)" in refusal.reason
     room.wait(2.0)
     assert room.highest() < 0.01
 
@@ -162,7 +162,7 @@ def test_a_thrust_scale_of_another_vehicle_refuses_the_take_off(monkeypatch: pyt
     flown.room.wait(1.5)
     flown.links["cf2"].reported["own_hover"] = OwnHover(mass=0.034, mass_thrust=132000.0)
     refusal = flown.room.call(Call.TAKE_OFF)
-    assert "cf2 would be sent 68 % of the thrust at which it hovers: within 15 %" in refusal.reason
+    assert "cf2 would be sent 68 % of the thrust at which it hovers (allowed within 15 %)" in refusal.reason
     flown.room.wait(2.0)
     assert flown.room.highest() < 0.01
 

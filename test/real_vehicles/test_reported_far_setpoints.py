@@ -18,7 +18,7 @@ from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import SwarmSetpoint, SwarmState, TrackStatus
 
 NAMES = ("cf1", "cf2")
-MESSAGE = "far from their setpoints: cf2 3.0 m: does the plan begin where they fly?"
+MESSAGE = "far from their setpoints: cf2 3.0 m: check that the plan begins where they fly"
 
 
 class PidRoom(RoomNode):

@@ -35,6 +35,6 @@ def test_a_stop_names_a_vehicle_that_is_not_connected(monkeypatch: pytest.Monkey
     flown.room.wait(0.1)
     assert flown.room.call(name) == Reply(
         granted=False,
-        reason="cf1 not reached: motors are stopped once radio has reconnected; "
+        reason="cf1 not reached: motors will be stopped when radio reconnects; "
         "motors of cf2 stopped; restart the vehicles",
     )

@@ -42,7 +42,7 @@ def test_a_node_says_once_and_before_it_is_built_that_it_compiles(tmp_path: Path
     script.write_text(NODE)
     with own_domain():
         notice, *others = lines_of_a_start(script)
-        first = "compiling code that runs for the first time on this machine: half a minute for a flight"
+        first = "compiling code for its first run on this machine: half a minute for a flight"
         assert notice.startswith(f"stack: {first}")
         assert others == [REFUSED]
         assert lines_of_a_start(script) == [REFUSED]

@@ -126,7 +126,7 @@ def test_a_chosen_python_is_taken_or_refused(checkout: Checkout, command: str, s
 
 def test_an_old_python_is_refused_with_its_version(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "version_info", (3, 9, 2, "final", 0))
-    assert python_problem()() == "is Python 3.9, and 3.11 or 3.12 is needed"
+    assert python_problem()() == "is Python 3.9, not 3.11 or 3.12"
 
 
 def test_a_python_without_venv_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch):

@@ -16,7 +16,7 @@ def folder_to_write(name: str, given: object) -> Path:
         ValueError: it is a file, is to lie in a file, or cannot be written.
     """
     if not isinstance(given, str | Path):
-        raise TypeError(f"{name} = {given!r}: the path of a folder is expected")
+        raise TypeError(f"{name} = {given!r}; must be the path of a folder")
     try:
         return writable_folder(Path(given))
     except ValueError as refusal:
@@ -27,7 +27,7 @@ def check_flags(**given: object) -> None:
     """Raise TypeError for the first argument that is neither True nor False: "no" would count as True."""
     for name, value in given.items():
         if not isinstance(value, bool | np.bool_):
-            raise TypeError(f"{name} = {value!r}: True or False is expected")
+            raise TypeError(f"{name} = {value!r}; must be True or False")
 
 
 def check_whole_number(name: str, given: object, least: int) -> None:
@@ -37,7 +37,7 @@ def check_whole_number(name: str, given: object, least: int) -> None:
         TypeError: it is no whole number.
         ValueError: it is too small.
     """
-    expected = f"{name} = {given!r}: a whole number of {least} or more is expected"
+    expected = f"{name} = {given!r}; must be an integer >= {least}"
     if not isinstance(given, int | np.integer) or isinstance(given, bool):
         raise TypeError(expected)
     if given < least:
@@ -51,7 +51,7 @@ def check_positive(name: str, given: object, unit: str) -> None:
         TypeError: it is no number.
         ValueError: it is not finite, or not above 0.
     """
-    expected = f"{name} = {given!r}: a finite number above 0 {unit} is expected"
+    expected = f"{name} = {given!r}; must be a finite number above 0 {unit}"
     if not isinstance(given, int | float | np.integer | np.floating) or isinstance(given, bool):
         raise TypeError(expected)
     if not 0.0 < float(given) < inf:

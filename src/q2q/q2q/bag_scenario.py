@@ -25,7 +25,8 @@ def bag_document(flown: Scenario, facts: FlightFacts) -> dict[str, Plain] | None
     document = document_of(flown)
     if document is None:
         warnings.warn(
-            f"{flown.name}: no bag holds its {_left_out(flown)}; the flight cannot be flown again by its bag",
+            f"{flown.name}: a bag does not store its {_left_out(flown)}; the flight cannot be flown again "
+            "from its bag",
             stacklevel=3,
         )
         document = document_of(_without_plan_or_own_vehicle(flown))

@@ -82,9 +82,9 @@ class CheckedController:
         if not isinstance(command, SwarmCommand):
             raise self._wrong(f"update returned a {type(command).__name__}: return a SwarmCommand")
         if not isinstance(command.names, tuple) or sorted(command.names) != sorted(setpoint.names):
-            raise self._wrong(f"names are {command.names!r}: {setpoint.names}, in any order, are needed")
+            raise self._wrong(f"names are {command.names!r}; must be {setpoint.names}, in any order")
         if not any(abs(command.t - one.t) < SAME_STAMP for one in (state, setpoint)):
-            raise self._wrong(f"t is {command.t} s: that of the setpoint, {setpoint.t} s, is needed")
+            raise self._wrong(f"t is {command.t} s; must be that of the setpoint, {setpoint.t} s")
 
     def _within(self, command: SwarmCommand, what: str, known: Callable[[], Mask]) -> Array:
         given = self._numbers(what, getattr(command, what), len(command.names)).astype(np.float64)
@@ -93,15 +93,15 @@ class CheckedController:
         if wrong.any() and (wrong := wrong & (known() | ~np.isnan(given))).any():
             row = int(np.argmax(wrong))
             raise self._wrong(
-                f"{what} of {command.names[row]} at {command.t:.3f} s is {given[row]:g}: "
-                f"a finite number of at most {most:.3g} {unit} is needed"
+                f"{what} of {command.names[row]} at {command.t:.3f} s is {given[row]:g}; must be finite and "
+                f"at most {most:.3g} {unit} in magnitude"
             )
         return given
 
     def _status(self, command: SwarmCommand) -> Status:
         given = self._numbers("status", command.status, len(command.names))
         if not np.isin(given, list(CommandStatus)).all():
-            raise self._wrong(f"status is {given}: a CommandStatus, 0 to {max(CommandStatus):d}, is needed")
+            raise self._wrong(f"status is {given}; must be a CommandStatus, 0 to {max(CommandStatus):d}")
         return given.astype(np.uint8)
 
     def _numbers(self, what: str, output: object, count: int) -> Array:

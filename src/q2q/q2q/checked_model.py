@@ -17,9 +17,9 @@ from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.checked_wake import LARGEST_ACC
 
 NEEDED = {
-    "delay": "finite numbers of 0 s or more are needed",
-    "acceleration": f"finite numbers of at most {LARGEST_ACC:g} m/s^2 are needed",
-    "deviation": f"0 to {LARGEST_ACC:g} m/s^2 is needed, or NaN where unknown",
+    "delay": "must be finite and at least 0 s",
+    "acceleration": f"must be finite and at most {LARGEST_ACC:g} m/s^2 in magnitude",
+    "deviation": f"must be in [0, {LARGEST_ACC:g}] m/s^2, or NaN where unknown",
 }
 """Outputs that are allowed, by method."""
 PLACES = np.array([[aside, 0.0, gap] for aside in (0.0, 0.1, 1.0) for gap in (-1.0, -0.3, 0.3, 1.0)])
@@ -82,13 +82,13 @@ class CheckedModel:
         reach = self._model.reach
         if isinstance(reach, Reach) and _is_length(reach.horizontal) and _is_length(reach.vertical):
             return reach
-        raise ModelOutputError(f"{self._name}: reach is {reach!r}: a Reach of finite distances [m] is needed")
+        raise ModelOutputError(f"{self._name}: reach is {reach!r}; must be a Reach of finite distances [m]")
 
     def _checked_max_delay(self) -> float:
         longest = self._model.max_delay
         if _is_length(longest):
             return float(longest)
-        raise ModelOutputError(f"{self._name}: max_delay is {longest!r}: a finite time [s] is needed")
+        raise ModelOutputError(f"{self._name}: max_delay is {longest!r}; must be a finite time [s]")
 
     def _numbers(self, what: str, output: object, shape: tuple[int, ...]) -> Array:
         try:
@@ -106,7 +106,7 @@ class CheckedModel:
             pair = int(wrong[0])
             rel_pos, value = (one.reshape(allowed.size, -1)[pair] for one in (inputs[0], given))
             raise ModelOutputError(
-                f"{self._name}: {what} for a source at rel_pos {rel_pos} m is {value}: {NEEDED[what]}", pair
+                f"{self._name}: {what} for a source at rel_pos {rel_pos} m is {value}; {NEEDED[what]}", pair
             )
 
 

@@ -171,9 +171,9 @@ def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "")
 
 def _check_labelled(flights: object) -> None:
     """Raise TypeError unless these are flights by their labels, ValueError if there are none."""
-    expected = 'a mapping of labels to flights is expected, as {"aware": flight}'
+    expected = 'must be a mapping of labels to flights, like {"aware": flight}'
     if not isinstance(flights, Mapping):
-        raise TypeError(f"flights is {type(flights).__name__}: {expected}")
+        raise TypeError(f"flights is {type(flights).__name__}; {expected}")
     for label, flight in flights.items():
         if not (isinstance(label, str) and isinstance(flight, FlightResult)):
             raise TypeError(f"flights has {type(label).__name__}: {type(flight).__name__}; {expected}")

@@ -49,7 +49,7 @@ def identify(
     """
     check_positive("threshold", threshold, "m/s^2")
     if not isinstance(bags, str | Path | Iterable):
-        raise TypeError(f"bags = {bags!r}: the folder of a bag, or several, is expected")
+        raise TypeError(f"bags = {bags!r}; must be the folder of a bag, or several")
     paths = [Path(bag) for bag in ([bags] if isinstance(bags, str | Path) else bags)]
     if not paths:
         raise ValueError("no bags: give the folder of a recorded flight, or several")

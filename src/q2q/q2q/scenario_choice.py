@@ -54,7 +54,7 @@ def load_air(name: AirName, *, without: tuple[str, ...] = ()) -> FlownAir:
         TypeError: `name` is no name, or `without` no tuple of names.
     """
     if isinstance(without, str):
-        raise TypeError(f"without = {without!r}: a tuple of terms, as ({without!r},), is expected")
+        raise TypeError(f"without = {without!r}; must be a tuple of terms, like ({without!r},)")
     return find_air(air_name(name), without)
 
 
@@ -62,7 +62,7 @@ def air_name(given: AirName) -> str:
     """Return the name of an air as text; raise TypeError for what is none."""
     if not isinstance(given, str | Path):
         shown = reprlib.repr(given)
-        raise TypeError(f"air = {shown}: a shipped name, the path of a .air file or module:Class is expected")
+        raise TypeError(f"air = {shown}; must be a shipped name, the path of a .air file or module:Class")
     return str(given)
 
 
@@ -72,5 +72,5 @@ def _found(chosen: ScenarioChoice) -> Scenario:
     if isinstance(chosen, Mapping):
         return scenario_from_document("document", chosen)
     if not isinstance(chosen, str | Path):
-        raise TypeError(f"scenario = {chosen!r}: a name, a file, a document or a q2q.Scenario is expected")
+        raise TypeError(f"scenario = {chosen!r}; must be a name, a file, a document or a q2q.Scenario")
     return library.load(str(chosen))

@@ -133,7 +133,7 @@ def _check_controller(given: object, *, correct: bool) -> None:
     if isinstance(given, type) or not isinstance(given, Controller):
         raise TypeError(f"no controller {given!r}: give pid, mpc, or an object like q2q.Controller")
     if correct:
-        raise ValueError("correct=True is for pid and mpc: a controller of your own corrects by itself")
+        raise ValueError("correct=True is only for pid and mpc: your own controller must correct by itself")
 
 
 def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks:

@@ -115,5 +115,5 @@ def test_an_outcome_names_the_air_of_its_campaign(tmp_path: Path):
     ("runs", "choice"), [(0, {}), (-1, {}), (1, {"jobs": 0}), (1, {"jobs": -1}), (1, {"seed": -5})]
 )
 def test_a_campaign_of_no_runs_is_refused_at_once(runs: int, choice: dict[str, int]):
-    with pytest.raises(ValueError, match="or more is expected"):
+    with pytest.raises(ValueError, match="must be an integer >= "):
         q2q.campaign(runs, **choice)

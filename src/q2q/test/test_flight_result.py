@@ -92,7 +92,7 @@ def test_a_flight_by_an_object_is_not_flown_again(
     flight: q2q.FlightResult, tmp_path: Path, changed: dict[str, str], unknown: str
 ):
     bag = replace(flight, facts=replace(flight.facts, **changed)).to_bag(tmp_path / "bag")
-    with pytest.raises(ValueError, match=rf"bag: {unknown}: .*; an object of Python cannot be flown again"):
+    with pytest.raises(ValueError, match=rf"bag: {unknown}: .*; a Python object cannot be flown again"):
         recorded_setup(bag)
 
 
@@ -126,7 +126,7 @@ def test_a_bag_that_cannot_hold_its_scenario_says_so_and_holds_the_faults(part: 
     named = replace(SHORT, duration=0.05, faults=(sag,))
     heavy, planned = replace(SHORT.vehicle, mass=0.04), q2q.plan(SHORT)
     flown = q2q.fly(replace(named, vehicle=heavy) if part == "vehicle" else replace(named, plan=planned))
-    with pytest.warns(UserWarning, match=f"table6_room: no bag holds its {part}"):
+    with pytest.warns(UserWarning, match=f"table6_room: a bag does not store its {part}"):
         bag = flown.to_bag(tmp_path / "bag")
     read = q2q.read_bag(bag, SHORT.vehicle.name)
     assert read.faults == (sag,)
@@ -166,7 +166,7 @@ def test_a_figure_of_an_unknown_vehicle_or_kind_is_refused(flight: q2q.FlightRes
 
 
 def test_flights_without_labels_are_refused_by_figures_and_pages(flight: q2q.FlightResult, tmp_path: Path):
-    with pytest.raises(TypeError, match=r"flights is int: a mapping of labels to flights"):
+    with pytest.raises(TypeError, match=r"flights is int; must be a mapping of labels to flights"):
         q2q.plot(3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"flights is list"):
         q2q.page([flight], tmp_path / "page.html")  # type: ignore[arg-type]

@@ -34,5 +34,5 @@ def test_gaps_and_controllers_flown_with_one_seed_are_flights_of_their_own(tmp_p
     recordings, _ = recordings_of_bags(bags)
     assert [one.flight.name for one in recordings] == list(flights)
     copy = shutil.copytree(bags[0], tmp_path / "copy")
-    with pytest.raises(BagError, match=r"near and .*copy hold the same flight"):
+    with pytest.raises(BagError, match=r"near and .*copy contain the same flight"):
         recordings_of_bags([*bags, copy])

@@ -43,18 +43,39 @@ def with_cf2(what: str, value: float) -> Change:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (with_cf2("thrust", np.nan), r"thrust of cf2 at 0.050 s is nan: a finite number of at most 4.8 N is"),
-        (with_cf2("thrust", 34.0), r"thrust of cf2 at 0.050 s is 34: .* at most 4.8 N is"),  # grams
-        (with_cf2("thrust", -9.81), r"thrust of cf2 at 0.050 s is -9.81: .* at most 4.8 N is"),  # m/s^2
-        (with_cf2("roll", 10.0), r"roll of cf2 at 0.050 s is 10: .* at most 3.14 rad is"),  # degrees
-        (with_cf2("pitch", np.inf), r"pitch of cf2 at 0.050 s is inf: .* at most 3.14 rad is needed$"),
-        (with_cf2("yaw_rate", 200.0), r"yaw_rate of cf2 at 0.050 s is 200: .* at most 35 rad/s is needed$"),
-        (with_cf2("status", 9), r"status is \[0 9\]: a CommandStatus, 0 to 6, is needed$"),
-        (lambda one: replace(one, thrust=HOVER), r"thrust is float64 of shape \(\): floats of shape \(2,\)"),
-        (lambda one: replace(one, roll=np.zeros((2, 1))), r"roll is float64 of shape \(2, 1\): floats of"),
-        (lambda one: replace(one, pitch=["up", "up"]), r"pitch is <U2 of shape \(2,\): floats of shape"),
-        (lambda one: replace(one, names=("cf1", "cf1")), r"names are \('cf1', 'cf1'\): \('cf1', 'cf2'\), in"),
-        (lambda one: replace(one, t=3.0), r"t is 3.0 s: that of the setpoint, 0.05 s, is needed$"),
+        (with_cf2("thrust", np.nan), r"thrust of cf2 at 0.050 s is nan; must be finite and at most 4.8 N in"),
+        (with_cf2("thrust", 34.0), r"thrust of cf2 at 0.050 s is 34; must be .* at most 4.8 N in"),  # grams
+        (
+            with_cf2("thrust", -9.81),
+            r"thrust of cf2 at 0.050 s is -9.81; must be .* at most 4.8 N in",
+        ),  # m/s^2
+        (with_cf2("roll", 10.0), r"roll of cf2 at 0.050 s is 10; must be .* at most 3.14 rad in"),  # degrees
+        (
+            with_cf2("pitch", np.inf),
+            r"pitch of cf2 at 0.050 s is inf; must be finite and at most 3.14 rad in magnitude$",
+        ),
+        (
+            with_cf2("yaw_rate", 200.0),
+            r"yaw_rate of cf2 at 0.050 s is 200; must be finite and at most 35 rad/s in magnitude$",
+        ),
+        (with_cf2("status", 9), r"status is \[0 9\]; must be a CommandStatus, 0 to 6$"),
+        (
+            lambda one: replace(one, thrust=HOVER),
+            r"thrust is float64 of shape \(\); must be floats of shape \(2,\)",
+        ),
+        (
+            lambda one: replace(one, roll=np.zeros((2, 1))),
+            r"roll is float64 of shape \(2, 1\); must be floats of",
+        ),
+        (
+            lambda one: replace(one, pitch=["up", "up"]),
+            r"pitch is <U2 of shape \(2,\); must be floats of shape",
+        ),
+        (
+            lambda one: replace(one, names=("cf1", "cf1")),
+            r"names are \('cf1', 'cf1'\); must be \('cf1', 'cf2'\), in",
+        ),
+        (lambda one: replace(one, t=3.0), r"t is 3.0 s; must be that of the setpoint, 0.05 s$"),
         (lambda one: one.thrust, r"update returned a ndarray: return a SwarmCommand$"),
     ],
 )

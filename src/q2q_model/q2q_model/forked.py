@@ -53,7 +53,7 @@ def _explained(process: BaseProcess) -> Iterator[None]:
         process.join()
         raise ChildProcessError(
             f"a process that worked in parallel with this one was ended (exit code {process.exitcode}), "
-            "perhaps for want of memory; free some, then repeat the command"
+            "perhaps for lack of memory; free some, then repeat the command"
         ) from None
 
 

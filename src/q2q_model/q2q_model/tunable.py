@@ -42,13 +42,13 @@ class Tunable:
 
     @property
     def allowed(self) -> str:
-        """Return the allowed values as text."""
+        """Return the allowed values as text that follows "must be"."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         if self.low is None or self.high is None:
-            bound = f"{self.low} or more" if self.high is None else f"{self.high} or less"
-            return f"{bound} {self.unit}".rstrip() if self.low is not self.high else "any number"
-        return f"{self.low} to {self.high} {self.unit}".rstrip()
+            bound = f"at least {self.low}" if self.high is None else f"at most {self.high}"
+            return f"{bound} {self.unit}".rstrip() if self.low is not self.high else "a number"
+        return f"in [{self.low}, {self.high}] {self.unit}".rstrip()
 
 
 class OutOfBoundsError(ValueError):
@@ -101,17 +101,15 @@ def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
 
 def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
     if spec.choices and value not in spec.choices:
-        raise OutOfBoundsError(owner, name, f"{value!r}: choose one of {', '.join(spec.choices)}")
+        raise OutOfBoundsError(owner, name, f"{value!r}; must be {spec.allowed}")
     if isinstance(value, bool | str):
         return
     for number in value if isinstance(value, tuple) else (value,):
         if isinstance(number, str):
             if not number.strip():
-                raise OutOfBoundsError(
-                    owner, name, f"{value}: allowed are texts that are not empty; leave out {number!r}"
-                )
+                raise OutOfBoundsError(owner, name, f"{value}; texts must not be empty: leave out {number!r}")
             continue
         low = -float("inf") if spec.low is None else spec.low
         high = float("inf") if spec.high is None else spec.high
         if not low <= number <= high:
-            raise OutOfBoundsError(owner, name, f"{value}: must be {spec.allowed}")
+            raise OutOfBoundsError(owner, name, f"{value}; must be {spec.allowed}")

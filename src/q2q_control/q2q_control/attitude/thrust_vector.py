@@ -81,8 +81,8 @@ def largest_thrust(vehicle: Vehicle, bound: float | None) -> float:
     if bound is None:
         return vehicle.rpyt_thrust_max
     if bound <= vehicle.hover_thrust:
-        least = f"must be more than the weight of {vehicle.name}, {vehicle.hover_thrust:.6g} N"
-        raise ValueError(f"thrust_max = {bound:g} N with thrust_limited: {least}")
+        least = f"must be above the weight of {vehicle.name}, {vehicle.hover_thrust:.6g} N"
+        raise ValueError(f"thrust_max = {bound:g} N with thrust_limited; {least}")
     return min(bound, vehicle.rpyt_thrust_max)
 
 

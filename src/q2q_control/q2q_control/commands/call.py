@@ -22,7 +22,7 @@ _NODE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Make one call; return the exit status."""
-    return run_command(parser(), _prepare, argv, interrupted="interrupted; the call goes on")
+    return run_command(parser(), _prepare, argv, interrupted="interrupted; the call continues")
 
 
 def _prepare(_: Namespace) -> Work:
@@ -50,7 +50,7 @@ def _node(given: str) -> str:
     """Return the name of a node, with its namespace if it has one: a type of arguments."""
     name = given.strip("/")
     if not _NODE.fullmatch(name):
-        raise ArgumentTypeError(f"{given!r} is not the name of a node: give one like radio or room/radio")
+        raise ArgumentTypeError(f"{given!r} is not a node name: give one like radio or room/radio")
     return name
 
 

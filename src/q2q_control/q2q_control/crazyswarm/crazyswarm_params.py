@@ -55,5 +55,6 @@ class CrazyswarmParams:
         check_bounds(self)
         if self.poses_in and self.poses_in == self.poses_out:
             raise ValueError(
-                f"poses_in and poses_out are both {self.poses_in}: frames would circulate for ever"
+                f"poses_in and poses_out are both {self.poses_in}: frames would loop forever; give different "
+                "topics"
             )

@@ -85,7 +85,7 @@ def motion_capture_from_document(document: object) -> MotionCapture:
     nodes = from_plain(dict[str, _Node], document, "motion_capture.yaml", extra=True)
     if len(nodes) != 1:
         raise ValueError(
-            f"motion_capture.yaml has {len(nodes)} nodes; one, motion_capture_tracking, is expected"
+            f"motion_capture.yaml has {len(nodes)} nodes; must have one, motion_capture_tracking"
         )
     return next(iter(nodes.values())).ros__parameters
 

@@ -31,8 +31,8 @@ def readers_refusal(topic: str, readers: Sequence[PoseReader]) -> str:
     for one in readers:
         if 0 < one.deadline_ns < DEADLINE_NS:
             return (
-                f"no pose of {topic} reaches {one.node}, which requests a deadline of "
-                f"{1e-6 * one.deadline_ns:g} ms: {1e-6 * DEADLINE_NS:g} ms are offered; set "
+                f"no pose of {topic} reaches {one.node}, which requires a deadline of "
+                f"{1e-6 * one.deadline_ns:g} ms: {1e-6 * DEADLINE_NS:g} ms is offered; set "
                 f"poses_qos_deadline in server.yaml to {NANOSECONDS / DEADLINE_NS:g} Hz or less"
             )
     return ""
@@ -60,7 +60,7 @@ class PoseNames:
         if not (self._unseen and self._others):
             return ""
         names = f"{self._topic} has {listed(self._others)}, none of {listed(self._unseen)}"
-        return f"{names}: give bodies in motion capture the names of vehicles"
+        return f"{names}: name the bodies in motion capture like the vehicles"
 
     def new_mismatch(self) -> str:
         """Return the mismatch if it was not returned before; empty otherwise."""

@@ -78,7 +78,7 @@ def explicit_solver(law: ExplicitLaw) -> SolverFactory:
         same_gains = np.allclose(gains_table(sweep_gains(z)), law.gains, rtol=1e-6)
         if params.steps != STAGES or not same_gains or not np.allclose(bounds, law.bounds, rtol=1e-6):
             raise ValueError(
-                "the explicit law is another vehicle's, or of another thrust or weights: distil it for these"
+                "the explicit law is for another vehicle, thrust or weights: distil it for these"
             )
         return ExplicitSolver(law, sweep_gains(side))
 

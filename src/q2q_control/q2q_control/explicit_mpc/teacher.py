@@ -51,7 +51,7 @@ class Teacher:
     def __post_init__(self) -> None:
         """Check that the law's windows fit the horizon."""
         if self.params.steps != STAGES:
-            raise ValueError(f"steps = {self.params.steps}: the explicit law needs {STAGES}")
+            raise ValueError(f"steps = {self.params.steps}; must be {STAGES} for the explicit law")
 
     @property
     def bounds(self) -> tuple[float, float]:

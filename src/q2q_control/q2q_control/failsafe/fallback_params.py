@@ -68,6 +68,6 @@ class FallbackParams:
         if not self.hold_after_s <= self.level_after_s <= self.land_after_s <= self.cut_after_s:
             raise ValueError(
                 f"hold_after_s {self.hold_after_s}, level_after_s {self.level_after_s}, "
-                f"land_after_s {self.land_after_s}, cut_after_s {self.cut_after_s}: "
-                "hold_after_s <= level_after_s <= land_after_s <= cut_after_s is required"
+                f"land_after_s {self.land_after_s}, cut_after_s {self.cut_after_s}; "
+                "must satisfy hold_after_s <= level_after_s <= land_after_s <= cut_after_s"
             )

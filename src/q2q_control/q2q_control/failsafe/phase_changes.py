@@ -16,8 +16,8 @@ from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCo
 
 EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
 FAILSAFE_CUT = (
-    "motors cut, not measured for cut_after_s, until a new flight: "
-    f"restart this node, or set stamps back by more than {SET_BACK_S:g} s"
+    "motors cut after cut_after_s without measurements: to fly, restart this node or set stamps back by "
+    f"more than {SET_BACK_S:g} s"
 )
 SETTLED_S = 10.0
 """Time without a phase after which changes are reported again [s]: one dropout after another is one event."""
@@ -39,7 +39,7 @@ class PhaseChange:
 
     def __str__(self) -> str:
         """Return the change in words."""
-        phase = "the controller flies on" if self.phase is FLOWN else f"failsafe {self.phase.name}"
+        phase = "the controller flies again" if self.phase is FLOWN else f"failsafe {self.phase.name}"
         return f"{listed(self.names)}: {phase}"
 
 

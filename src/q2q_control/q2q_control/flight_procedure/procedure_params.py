@@ -146,14 +146,14 @@ class FlightProcedureParams:
         """
         check_bounds(self)
         if self.settle_s >= self.step_timeout_s:
-            allowed = f"less than step_timeout_s = {self.step_timeout_s:g} s is allowed"
-            raise ValueError(f"settle_s = {self.settle_s:g}: {allowed}, or no transit is completed in time")
+            allowed = f"must be less than step_timeout_s = {self.step_timeout_s:g} s"
+            raise ValueError(f"settle_s = {self.settle_s:g}; {allowed}, or no transit completes in time")
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
-            raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
+            raise ValueError(f"room = {self.room}; must be lowest x, y, z and highest x, y, z [m]")
         if max(abs(wall) for wall in self.room) > FULL_STATE_RANGE:
             allowed = f"setpoints reach up to {FULL_STATE_RANGE} m from the origin along an axis"
             raise ValueError(f"room = {self.room}: {allowed}; move the origin to the middle of the room")
         ceiling = self.room[5] - self.ground_height
         if self.take_off_height > ceiling + ROUNDING:
-            allowed = f"up to {ceiling:g} m is allowed, where room ends"
-            raise ValueError(f"take_off_height = {self.take_off_height:g}: {allowed}")
+            allowed = f"must be at most {ceiling:g} m, the top of room"
+            raise ValueError(f"take_off_height = {self.take_off_height:g}; {allowed}")

@@ -10,7 +10,7 @@ from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, Tr
 FAR_M = 1.0
 """Distance from a setpoint that is reported [m]: no downwash or gust of a flight under control makes it."""
 
-_ELSEWHERE = "far from their setpoints: {}: does the plan begin where they fly?"
+_ELSEWHERE = "far from their setpoints: {}: check that the plan begins where they fly"
 _BROUGHT_DOWN = "far from their setpoints, brought down by the failsafe: {}"
 
 

@@ -25,12 +25,14 @@ OVER_S = 1.0
 """Time for which a plan that comes may be over [s]: a short one, as of braking, ends before it has come."""
 YEAR_S = 3.2e7
 """Time between a plan and a setpoint from which on their stamps are not of one clock [s]."""
-_ELSEWHERE = "plan: it is far from the setpoints: {}; they may come from another plan"
+_ELSEWHERE = "plan: far from the setpoints: {}: check that they come from this plan"
 _OVER = (
-    "plan: it ended {:.1f} s before it came, and is far from the setpoints: {}; it may be of an earlier "
-    "flight, or its start is not a stamp of mocap"
+    "plan: ended {:.1f} s before it arrived, far from the setpoints: {}: it is from an earlier flight, or "
+    "its start is not in the time of mocap"
 )
-_OTHER_CLOCK = "plan: it starts at {:.0f} s and the setpoints are of {:.0f} s; their nodes must use one clock"
+_OTHER_CLOCK = (
+    "plan: starts at {:.0f} s, but the setpoints are at {:.0f} s: check that their nodes use one clock"
+)
 
 
 def far_from_plan(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:

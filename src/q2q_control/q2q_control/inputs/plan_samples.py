@@ -30,7 +30,7 @@ def sampled_preview(names: Names, trajectories: Sequence[Trajectory], start: flo
     check_unique(names)
     length, most = max(one.duration for one in trajectories), MOST_SAMPLES * STEP / len(names)
     if length > most:
-        raise ValueError(f"plan of {length:g} s: {len(names)} vehicles may fly for {most:.0f} s at most")
+        raise ValueError(f"plan of {length:g} s; must be at most {most:.0f} s for {len(names)} vehicles")
     times = np.asarray(np.arange(int(np.ceil(length / STEP)) + 1) * STEP, dtype=np.float64)
     samples = [[one.at(times, order)[:, :3] for order in DERIVATIVES] for one in trajectories]
     return SampledPreview(names, start, STEP, np.stack([np.concatenate(one, axis=1) for one in samples]))

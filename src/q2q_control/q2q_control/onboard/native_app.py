@@ -69,7 +69,7 @@ def compile_app(folder: Path) -> AppLibrary:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise AppBuildError(
-                f"{folder} is not a folder of export_app: {done.stderr.strip().splitlines()[0]}"
+                f"{folder} is not an app of export_app: {done.stderr.strip().splitlines()[0]}"
             )
         loaded = AppLibrary(library)  # stays mapped when its file is gone
     loaded.q2q_step.restype = loaded.q2q_downwash.restype = ctypes.c_float

@@ -35,9 +35,7 @@ def load_gains(asked: str) -> PidParams:
     document = load_yaml(path)
     sections = list(document.values()) if isinstance(document, Mapping) else []
     if len(sections) != 1 or not isinstance(sections[0], Mapping) or PARAMETERS not in sections[0]:
-        raise ValueError(
-            f"{path}: one node (or /**) with {PARAMETERS} is expected, as in {PREFIX}{TUNED}.yaml"
-        )
+        raise ValueError(f"{path}: must have one node (or /**) with {PARAMETERS}, as in {PREFIX}{TUNED}.yaml")
     return from_plain(PidParams, sections[0][PARAMETERS], str(path))
 
 
@@ -47,7 +45,7 @@ def soft_altitude(params: PidParams) -> str:
     if params.k_i_z > 0.0 or off <= SOFT_M:
         return ""
     gains = f"k_p_z = {params.k_p_z:g}, k_i_z = {params.k_i_z:g}"
-    return f"{gains}: 1 % of wrong thrust is {off:.2f} m of height; real vehicles fly {PREFIX}{TUNED}.yaml"
+    return f"{gains}: a thrust error of 1 % is {off:.2f} m of height; real vehicles use {PREFIX}{TUNED}.yaml"
 
 
 def _path(asked: str) -> Path:

@@ -24,7 +24,7 @@ from q2q_model.vehicle.vehicle_uri import canonical_uri
 Position = tuple[float, float, float]
 CRAZYFLIE = "crazyflie"
 """Connection of the robots that are flown, and of a type that has none."""
-URI = "something like radio://0/80/2M/E7E7E7E701"
+URI = "a URI like radio://0/80/2M/E7E7E7E701"
 SCHEMES = tuple(f"{driver}://" for driver in ("radio", "usb", "udp", "tcp", "prrt"))
 """Beginnings of the URIs that cflib opens unless it is asked for more."""
 
@@ -125,8 +125,8 @@ def check_connections(document: object) -> None:
         by_type = fleet.type_connection(robot)
         if robot.enabled and robot.connection not in (None, by_type):
             raise ValueError(
-                f"robots.{name}.connection = {robot.connection!r}: Crazyswarm2 reads that of robot_types "
-                f"only, {by_type!r} here: give {name} another type, or set `enabled: false`"
+                f"robots.{name}.connection = {robot.connection!r}: Crazyswarm2 reads connection only from "
+                f"robot_types, {by_type!r} here: give {name} another type, or set `enabled: false`"
             )
 
 
@@ -137,7 +137,7 @@ def _check(vehicles: Sequence[Crazyflie]) -> None:
     for one, own in zip(vehicles, reached, strict=True):
         check_vehicle_name(one.name)
         if not one.uri.startswith(SCHEMES):
-            raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
+            raise ValueError(f"{one.name}: uri = {one.uri!r}; must be {URI}")
         sharing = [other.name for other, uri in zip(vehicles, reached, strict=True) if uri == own]
         if len(sharing) > 1:
             raise ValueError(f"{' and '.join(sharing)} have the same uri {one.uri}: each needs its own")
@@ -173,7 +173,7 @@ def _params_of(fleet: _Fleet, name: str, robot: _Robot, *, by_type: bool = True)
 def _as_float(value: object, place: str) -> float:
     """Return the YAML number at a place; infinite, which no parameter can be, if it exceeds every float."""
     if not isinstance(value, int | float):
-        raise ValueError(f"crazyflies.yaml: {place} = {value!r}: a number is expected")  # noqa: TRY004  the file is wrong
+        raise ValueError(f"crazyflies.yaml: {place} = {value!r}; must be a number")  # noqa: TRY004  the file is wrong
     try:
         return float(value)
     except OverflowError:

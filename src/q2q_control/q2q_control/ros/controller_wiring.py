@@ -105,7 +105,7 @@ def wire_controller(
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
     for topic in ("state", "reference_safe"):
         wiring.listen(topic, warn_of_missing_names(node, topic, params.vehicles))
-    why = "reference_safe: {}: is the plan for these vehicles?"
+    why = "reference_safe: {}: check that the plan is for these vehicles"
     unmeasured = AbsentNames(node, "state", why, wiring.health)
     wiring.listen("state", lambda _, state: unmeasured.take_source(state.names))
     wiring.listen("reference_safe", unmeasured.update)

@@ -36,7 +36,7 @@ POSES_OUT = QoSProfile(
 )
 """QoS of poses_out: Crazyswarm2's servers request a deadline, which the writer must offer."""
 
-DUPLICATE = "given twice: left out, as either pose may be another vehicle's; check its markers"
+DUPLICATE = "given twice: ignored, as either pose may be another vehicle's; check its markers"
 
 
 class Crazyswarm:
@@ -63,8 +63,8 @@ class Crazyswarm:
         self._services: ProcedureServices | None = None
         self._landing_s: float | None = None
         self._version = poses_version(self._settings)
-        poses = _missing(self._wire_poses, "no poses pass")
-        flight = _missing(self._wire_flight, "no vehicle is flown")
+        poses = _missing(self._wire_poses, "no poses are passed on")
+        flight = _missing(self._wire_flight, "no vehicle can fly")
         self._health.extra["off"] = off = "; ".join(filter(None, (poses, flight)))
         if flight and self._poses is None:
             raise ValueError(off)

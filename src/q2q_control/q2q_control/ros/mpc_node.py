@@ -128,7 +128,7 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
         try:
             preview = preview_of(message)
         except ValueError as refusal:
-            wiring.health.refuse(f"plan, the last one is kept: {refusal}")
+            wiring.health.refuse(f"plan (the last one is kept): {refusal}")
             return
         block.follow(preview)
         unplanned.take_source(preview.names)

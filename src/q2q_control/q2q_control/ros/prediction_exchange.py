@@ -83,7 +83,10 @@ class PredictionExchange:
         self._wiring.health.doubts[f"{PREDICTIONS} conflicts"] = self._conflicts()
         silent = self._mpc.silent_neighbours(self._state) if self._state is not None else ()
         names = listed(silent)
-        report = f"{PREDICTIONS}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
+        report = (
+            f"{PREDICTIONS}: none of {names} for {SILENT} periods: ignored until one arrives, check "
+            "that its MPC runs"
+        )
         if silent and silent != self._silent:
             self._node.get_logger().warning(report)
         self._silent = silent
@@ -95,7 +98,7 @@ class PredictionExchange:
         if not conflicts:
             return ""
         writers = listed(publishers_of(self._node, PREDICTIONS))
-        report = f"{PREDICTIONS}: another node flies {listed(conflicts)}, too; stop one ({writers} write it)"
+        report = f"{PREDICTIONS}: another node also flies {listed(conflicts)}: stop one ({writers} write it)"
         if conflicts not in self._warned:
             self._warned.add(conflicts)
             self._node.get_logger().warning(report)

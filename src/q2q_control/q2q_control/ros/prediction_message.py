@@ -25,7 +25,7 @@ def decode_prediction(message: PredictionMessage) -> PredictedPaths:
     """Return the prediction in a message; raise ValueError if it is not valid."""
     names = tuple(message.names)
     if not names or len(message.position) % (3 * len(names)):
-        raise ValueError(f"{len(message.position)} coordinates of {len(names)} vehicles: 3NK are expected")
+        raise ValueError(f"{len(message.position)} coordinates of {len(names)} vehicles; must be 3NK")
     t = time_from_stamp(stamp_of(message.header))
     pos = np.array(message.position, np.float32).reshape(len(names), -1, 3)
     return PredictedPaths(t, names, t + message.start, message.step, pos)

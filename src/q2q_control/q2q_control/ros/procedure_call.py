@@ -21,7 +21,7 @@ SERVED_S = 10.0
 """Longest wait for the service [s]."""
 ANSWERED_S = {Call.EMERGENCY.value: 5.0}
 """Longest wait for an answer [s]; one without bound is given when the request is done, e.g. a flight over."""
-UNKNOWN = "whether it is done is not known: look at the vehicles"
+UNKNOWN = "whether it was done is unknown: look at the vehicles"
 WAKE_S = 0.1
 """Period of checking for the end of a wait [s]."""
 
@@ -67,6 +67,6 @@ def await_answer(client: Client, executor: Executor, longest: float) -> Reply:
         left = not client.service_is_ready()
         executor.spin_until_future_complete(answer, WAKE_S)
         if left and not answer.done():
-            return Reply(granted=False, reason=f"the node has left without an answer; {UNKNOWN}")
+            return Reply(granted=False, reason=f"the node left without an answer; {UNKNOWN}")
     response = answer.result()
     return Reply(granted=response.success, reason=response.message)

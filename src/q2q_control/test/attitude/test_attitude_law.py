@@ -71,5 +71,5 @@ def test_torque_cancels_the_gyroscopic_term_of_a_turning_body():
 
 
 def test_a_parameter_out_of_range_names_itself_and_what_is_allowed():
-    with pytest.raises(ValueError, match=r"frequency = 0.0: must be 1.0 to 100.0 rad/s"):
+    with pytest.raises(ValueError, match=r"frequency = 0.0; must be in \[1.0, 100.0\] rad/s"):
         AttitudeParams(frequency=0.0)

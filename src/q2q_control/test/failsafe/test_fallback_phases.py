@@ -74,7 +74,9 @@ def test_young_knowledge_changes_nothing() -> None:
     ],
 )
 def test_ages_out_of_order_are_refused(ages: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="is required"):
+    with pytest.raises(
+        ValueError, match="; must satisfy hold_after_s <= level_after_s <= land_after_s <= cut_after_s"
+    ):
         FallbackParams(**ages)
 
 

@@ -161,7 +161,7 @@ def test_a_vehicle_that_vibrates_after_its_rest_has_not_arrived_when_the_last_do
 
     hover = Hover(motion)
     assert hover.arrives_in(1.5) == np.inf
-    assert hover.step() == "cf2 is at 0.10 m, 0.40 m from where it should be"  # cf0 and cf1 rest
+    assert hover.step() == "cf2 is at 0.10 m, 0.40 m from its goal"  # cf0 and cf1 rest
     assert hover.arrives_in(PATIENCE) == np.inf
     assert hover.step().startswith(STILL_MOVES)
 
@@ -175,7 +175,7 @@ def test_a_vehicle_that_circles_ever_wider_after_its_rest_has_not_arrived_when_t
 
     hover = Hover(motion)
     assert hover.arrives_in(1.5) == np.inf
-    assert hover.step() == "cf2 is at 0.10 m, 0.40 m from where it should be"  # cf0 and cf1 rest
+    assert hover.step() == "cf2 is at 0.10 m, 0.40 m from its goal"  # cf0 and cf1 rest
     assert hover.arrives_in(3.5) == np.inf
     assert hover.step().startswith(STILL_MOVES)
 

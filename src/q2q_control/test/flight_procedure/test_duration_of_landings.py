@@ -79,7 +79,7 @@ def test_a_landing_from_high_up_that_does_not_come_down_fails_after_its_duration
     duration, began = land(bench), bench.t
     while not bench.replies:
         bench.wait(STEP)
-    assert "not on the ground: cf1 is at 3.20 m, 4.00 m from where it should be" in bench.answer().reason
+    assert "not on the ground: cf1 is at 3.20 m, 4.00 m from its goal" in bench.answer().reason
     assert bench.t - began == pytest.approx(duration + PARAMS.step_timeout_s, abs=3.0 * STEP)
 
 

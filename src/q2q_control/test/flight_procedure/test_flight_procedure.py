@@ -72,10 +72,10 @@ def test_a_call_at_the_wrong_time_is_refused_orders_nothing_and_changes_nothing(
             "cut",
             (
                 "the controller has cut cf2 (all/emergency",
-                "restart it; after a loss of measurements stamps that are set back by more than 1 s",
+                "restart it; after missing measurements, setting stamps back by more than 1 s",
             ),
         ),
-        ("without_attitude", ("cf2 was never measured upright: are its quaternions x, y, z, w",)),
+        ("without_attitude", ("cf2 was never measured upright: check the order x, y, z, w of quaternions",)),
     ],
 )
 def test_vehicles_that_are_cut_or_without_an_attitude_are_not_flown(
@@ -179,7 +179,7 @@ def test_a_transit_whose_setpoints_rest_short_of_the_first_points_fails() -> Non
     bench.wait(bench.params.step_timeout_s + 0.5)
     answer = bench.answer()
     assert not answer.granted
-    assert "rest elsewhere" in answer.reason
+    assert "rest away from the first points" in answer.reason
     assert bench.procedure.step is Step.HOLD
 
 
@@ -247,7 +247,7 @@ def test_a_start_joins_setpoints_at_the_vehicles_and_none_that_are_far() -> None
     bench = Bench()
     bench.setpoint_pos = HOME + np.array([[1.8, 0.0, 0.7], [0.7, 0.0, 1.9]])
     refusal = bench.asked(Call.START)
-    assert "cf1 is 1.93 m from its setpoint: 0.30 m is the maximum; call take_off, then fly" in refusal.reason
+    assert "cf1 is 1.93 m from its setpoint (maximum 0.30 m): call take_off, then fly" in refusal.reason
     assert bench.sent == []
     bench.setpoint_pos = HOME.copy()
     bench.stuck = {Act.STREAM}

@@ -15,23 +15,23 @@ from q2q_model.node.reply import Reply
 BAD: list[tuple[dict[str, object], str]] = [
     ({"reports": (WELL, VehicleReport("cf2", connected=False))}, "cf2 offline"),
     ({"reports": (WELL, replace(WELL, name="cf2", locked=True))}, "cf2 is locked: restart it"),
-    ({"reports": (WELL, replace(WELL, name="cf2", volt=3.41))}, r"cf2 has 3\.41 V: 3\.60 V is the minimum"),
+    ({"reports": (WELL, replace(WELL, name="cf2", volt=3.41))}, r"cf2 has 3\.41 V \(minimum 3\.60 V to"),
     ({"reports": (WELL, replace(WELL, name="cf2", volt=np.nan))},
-     "cf2 does not report its battery: wait for its first report; if none comes, log it$"),
+     "cf2 does not report its battery: wait for its first report, or enable its log$"),
     ({"reports": (WELL, replace(WELL, name="cf2", wrong="stabilizer.controller is 1, 2 is asked"))},
      "cf2: stabilizer.controller is 1, 2 is asked"),
     ({"reports": (WELL, replace(WELL, name="cf2", onboard=tuple(HOME[1] - up(0.25))))},
      r"cf2 estimates itself 0\.25 m from its measured position"),
     ({"reports": (WELL, replace(WELL, name="cf2", hover_ratio=0.73))},
-     r"cf2 would be sent 73 % of the thrust at which it hovers: within 15 %"),
+     r"cf2 would be sent 73 % of the thrust at which it hovers \(allowed within 15 %\)"),
     ({"reports": (WELL, replace(WELL, name="cf2", hover_ratio=1.16))},
      r"cf2 would be sent 116 % of the thrust"),
     ({"pos": HOME + up(0.11)}, r"cf1 is 0\.11 m above the ground"),
     ({"pos": HOME - up(0.11)}, r"cf1 is -0\.11 m above the ground"),
     ({"vel": np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]])}, r"cf2 moves at 0\.20 m/s"),
     ({"pos": HOME[0] + [[0.0, 0.0, -0.09], [-0.168, 0.224, 0.09]]},
-     r"cf1 and cf2 are 0\.28 m apart: 0\.30 m is the minimum"),
-    ({"pos": HOME + np.array([0.0, 0.4, 0.0])}, r"cf1 is 0\.40 m from its first point: 0\.30 m"),
+     r"cf1 and cf2 are 0\.28 m apart \(minimum 0\.30 m\)"),
+    ({"pos": HOME + np.array([0.0, 0.4, 0.0])}, r"cf1 is 0\.40 m from its first point \(maximum 0\.30 m\)"),
     ({"plan": None}, "no plan is waiting"),
     ({"plan": replace(PLAN, names=("cf1", "cf9"))}, "the plan lacks cf2 and has cf9: .* cf1, cf2"),
     ({"plan": replace(PLAN, high=END + np.array([0.0, 3.0, 0.0]))},
@@ -71,7 +71,7 @@ def test_vehicles_that_do_not_arm_are_disarmed_again_and_named() -> None:
 def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is() -> None:
     bench = Bench(stuck={Act.TAKE_OFF})
     answer = bench.asked(Call.TAKE_OFF, 11.0)
-    assert "take-off failed: cf1 is at -0.80 m, 0.50 m from where it should be; landing" in answer.reason
+    assert "take-off failed: cf1 is at -0.80 m, 0.50 m from its goal; landing" in answer.reason
     assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
@@ -89,7 +89,7 @@ def test_a_take_off_that_arrives_too_late_to_rest_says_so() -> None:
     bench.wait(bench.params.take_off_s + bench.params.step_timeout_s - 0.3)
     bench.move(HOME + up(0.5))
     bench.wait(8.0)
-    held = r"it has stayed within 0\.1 m of one place and below 0\.25 m/s for 0\.\d+ s, 1 s are required"
+    held = r"it has stayed within 0\.1 m of one place and below 0\.25 m/s for 0\.\d+ s \(minimum 1 s\)"
     assert re.fullmatch(f"take-off failed: cf1 still moves: {held}; landing", bench.answer().reason)
 
 
@@ -100,9 +100,7 @@ def test_a_vehicle_that_hovers_beside_where_it_stood_has_not_taken_off(axis: int
     beside[1, axis] += 0.2
     bench.move(beside)
     bench.wait(8.0)
-    assert bench.answer().reason.startswith(
-        "take-off failed: cf2 is at -0.30 m, 0.20 m from where it should be"
-    )
+    assert bench.answer().reason.startswith("take-off failed: cf2 is at -0.30 m, 0.20 m from its goal")
 
 
 def test_a_vehicle_that_swings_above_where_it_stood_has_not_taken_off() -> None:
@@ -128,7 +126,7 @@ def test_a_landing_is_confirmed_only_on_the_ground() -> None:
     bench = up_to(Step.HOLD, stuck={Act.LAND})
     answer = bench.asked(Call.LAND, 12.0)
     assert not answer.granted
-    assert "not on the ground: cf1 is at 0.20 m, 1.00 m from where it should be" in answer.reason
+    assert "not on the ground: cf1 is at 0.20 m, 1.00 m from its goal" in answer.reason
     assert Act.DISARM not in bench.acts
     bench.stuck.clear()
     assert bench.asked(Call.LAND).granted  # called again, it lands

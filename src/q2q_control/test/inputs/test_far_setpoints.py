@@ -36,16 +36,18 @@ def test_who_the_failsafe_brought_down_is_reported_until_it_is_back_and_asked_fo
     message = "far from their setpoints, brought down by the failsafe: cf1 1.5 m"
     assert [monitor.update(landed, setpoint) for _ in range(2)] == [(message, True), (message, False)]
     both = at((0.0, 0.0, 1.5), (0.0, 2.0, 0.0))
-    asked = "far from their setpoints: cf2 2.0 m: does the plan begin where they fly?"
+    asked = "far from their setpoints: cf2 2.0 m: check that the plan begins where they fly"
     assert monitor.update(both, setpoint) == (f"{asked}; {message}", True)
     assert monitor.update(near, setpoint) == ("", False)
-    assert monitor.update(landed, setpoint)[0].endswith("cf1 1.5 m: does the plan begin where they fly?")
+    assert monitor.update(landed, setpoint)[0].endswith(
+        "cf1 1.5 m: check that the plan begins where they fly"
+    )
 
 
 def test_the_same_vehicles_are_new_once_until_they_are_back() -> None:
     monitor, setpoint = FarSetpointMonitor(), swarm(NAMES)[1]
     near, far = at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), at((0.0, 0.0, 2.34), (0.0, 0.0, 0.0))
-    message = "far from their setpoints: cf1 2.3 m: does the plan begin where they fly?"
+    message = "far from their setpoints: cf1 2.3 m: check that the plan begins where they fly"
     assert [monitor.update(one, setpoint) for one in (near, far, far)] == [
         ("", False),
         (message, True),

@@ -15,10 +15,10 @@ from q2q_model.trajectory.polynomials import Trajectory
 NAMES = ("cf1", "cf2")
 ALONG_X = Trajectory(np.array([4.0]), np.array([[[0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]]))
 """4 s at 1 m/s."""
-FAR = "plan: it is far from the setpoints: cf2 {} m; they may come from another plan"
+FAR = "plan: far from the setpoints: cf2 {} m: check that they come from this plan"
 OVER = (
-    "plan: it ended {} s before it came, and is far from the setpoints: cf2 {} m; "
-    "it may be of an earlier flight, or its start is not a stamp of mocap"
+    "plan: ended {} s before it arrived, far from the setpoints: cf2 {} m: "
+    "it is from an earlier flight, or its start is not in the time of mocap"
 )
 
 
@@ -85,7 +85,8 @@ def test_a_plan_of_another_time_base_is_reported_though_the_setpoints_stay_at_it
 ) -> None:
     place = 4.0 if start < t else 0.0
     first = (
-        f"plan: it starts at {start:.0f} s and the setpoints are of {t:.0f} s; their nodes must use one clock"
+        f"plan: starts at {start:.0f} s, but the setpoints are at {t:.0f} s: "
+        "check that their nodes use one clock"
     )
     still = [setpoint(t + 0.01 * tick, place, place) for tick in range(3)]
     assert reported(start, *still) == [(first, True), (first, False), (first, False)]

@@ -142,7 +142,7 @@ def test_a_reference_that_no_vehicle_can_follow_is_approached_within_the_limits(
 
 
 def test_a_horizon_of_zero_is_refused():
-    with pytest.raises(ValueError, match=r"horizon = 0.0: must be 0.2 to 10.0 s"):
+    with pytest.raises(ValueError, match=r"horizon = 0.0; must be in \[0.2, 10.0\] s"):
         MpcParams(horizon=0.0)
 
 

@@ -131,7 +131,7 @@ def test_a_prediction_that_is_no_number_is_refused(slope: float) -> None:
 )
 def test_a_prediction_whose_steps_cannot_be_counted_is_refused(start: float, step: float) -> None:
     """The number of steps to a time overflowed, and the kernel read beyond its positions."""
-    with pytest.raises(ValueError, match="allowed is a start within 100 s of t"):
+    with pytest.raises(ValueError, match="start must be within 100 s of t"):
         PredictedPaths(0.5, ("cf2",), start, step, np.zeros((1, 4, 3), np.float32))
 
 
@@ -140,7 +140,7 @@ def test_a_prediction_of_a_name_given_twice_or_of_places_out_of_reach_is_refused
     with pytest.raises(ValueError, match="duplicate vehicle names in cf2, cf2"):
         PredictedPaths(0.5, ("cf2", "cf2"), 0.52, 0.05, pos)
     pos[1, 2, 0] = -3e38
-    with pytest.raises(ValueError, match=r"prediction of cf2, cf3: positions within 1e\+06 m are allowed"):
+    with pytest.raises(ValueError, match=r"prediction of cf2, cf3: positions must be within 1e\+06 m"):
         PredictedPaths(0.5, ("cf2", "cf3"), 0.52, 0.05, pos)
 
 
@@ -262,8 +262,10 @@ def test_a_prediction_that_is_kept_keeps_none_of_the_others_of_its_message() -> 
 
 def test_a_prediction_that_is_too_large_is_refused() -> None:
     assert tunable_of(MpcParams.__dataclass_fields__["steps"]).high == MOST_POSITIONS - 1
-    with pytest.raises(ValueError, match=r"positions \(1, 402, 3\) of 1 vehicles: \(n, 2 to 401, 3\) is"):
+    with pytest.raises(
+        ValueError, match=r"positions \(1, 402, 3\) of 1 vehicles; must be \(n, 2 to 401, 3\)"
+    ):
         PredictedPaths(0.5, ("cf2",), 0.52, 0.05, np.zeros((1, MOST_POSITIONS + 1, 3), np.float32))
     names = tuple(f"cf{k}" for k in range(MOST_VEHICLES + 1))
-    with pytest.raises(ValueError, match="prediction of 10001 vehicles; at most 10000 are allowed"):
+    with pytest.raises(ValueError, match="prediction of 10001 vehicles; must be at most 10000"):
         PredictedPaths(0.5, names, 0.52, 0.05, np.zeros((len(names), 2, 3), np.float32))

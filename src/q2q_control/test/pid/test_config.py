@@ -58,12 +58,12 @@ def test_the_firmwares_cascade_as_one_loop_has_the_cascades_poles():
 
 
 @pytest.mark.parametrize(("text", "said"), [
-    ("", "one node (or /**) with ros__parameters is expected"),
-    ("k_p_z: 10.0\n", "one node (or /**) with ros__parameters is expected"),
+    ("", "must have one node (or /**) with ros__parameters"),
+    ("k_p_z: 10.0\n", "must have one node (or /**) with ros__parameters"),
     ("/**:\n  ros__parameters: 3\n", "expected a mapping with k_p_z"),
     ("pid:\n  ros__parameters: {k_pz: 10.0}\n", "unknown key 'k_pz'; did you mean k_p_z?"),
-    ("pid:\n  ros__parameters: {k_p_z: ten}\n", "k_p_z = 'ten': a number is expected"),
-    ("pid:\n  ros__parameters: {k_p_z: 1000.0}\n", "k_p_z = 1000.0: must be 0.0 to 200.0"),
+    ("pid:\n  ros__parameters: {k_p_z: ten}\n", "k_p_z = 'ten'; must be a number"),
+    ("pid:\n  ros__parameters: {k_p_z: 1000.0}\n", "k_p_z = 1000.0; must be in [0.0, 200.0]"),
 ])  # fmt: skip
 def test_a_file_that_is_none_of_the_pids_is_refused_by_name(tmp_path: Path, text: str, said: str):
     (tmp_path / "mine.yaml").write_text(text)
@@ -81,7 +81,7 @@ def test_unknown_gains_are_answered_with_those_that_there_are():
 
 def test_who_flies_by_the_papers_altitude_loop_is_warned_and_nobody_else():
     warning = soft_altitude(load_gains("learned"))
-    assert warning.startswith("k_p_z = 0.81073, k_i_z = 0: 1 % of wrong thrust is 0.12 m of height; ")
+    assert warning.startswith("k_p_z = 0.81073, k_i_z = 0: a thrust error of 1 % is 0.12 m of height; ")
     assert not any(map(soft_altitude, map(load_gains, ("tuned", "firmware", "mellinger"))))
     assert "is inf m of height" in soft_altitude(replace(PidParams(), k_p_z=0.0))
     assert soft_altitude(replace(PidParams(), k_p_z=10.0)) == ""

@@ -191,7 +191,7 @@ def test_a_vehicle_whose_thrust_would_push_it_down_has_the_least(roll_deg: float
 
 def test_a_bound_that_does_not_carry_the_vehicle_is_refused_and_changes_nothing():
     weight = TEXTBOOK_065.hover_thrust  # 6.3765 N
-    refused = r"thrust_max = 6.37 N with thrust_limited: must be more than .* textbook_065, 6.3765 N"
+    refused = r"thrust_max = 6.37 N with thrust_limited; must be above the weight of textbook_065, 6.3765 N"
     low = PidParams(thrust_limited=True, thrust_max=6.37)
     with pytest.raises(ValueError, match=refused):
         Pid(low, TEXTBOOK_065)

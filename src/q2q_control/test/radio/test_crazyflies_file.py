@@ -67,7 +67,9 @@ def test_a_firmware_parameter_that_is_no_number_is_named_with_its_type_or_all() 
     wrong = {"firmware_params": {"ring": {"effect": "010"}}}
     document = {"robots": {"cf1": {"enabled": True, "uri": f"{URI}1", "type": "cf21"}}}
     for place, level in (("robot_types.cf21", {"robot_types": {"cf21": wrong}}), ("all", {"all": wrong})):
-        with pytest.raises(ValueError, match=rf"{place}\.firmware_params\.ring\.effect = '010': a number"):
+        with pytest.raises(
+            ValueError, match=rf"{place}\.firmware_params\.ring\.effect = '010'; must be a number"
+        ):
             crazyflies_from_document({**document, **level})
 
 
@@ -89,7 +91,7 @@ def test_a_robots_own_connection_is_for_the_radio_only_as_crazyswarm2_does_not_r
     file = tmp_path / "crazyflies.yaml"
     file.write_text(yaml.safe_dump(document))
     with pytest.raises(
-        ValueError, match=r"robots\.cf2\.connection = .* Crazyswarm2 reads that of robot_types only"
+        ValueError, match=r"robots\.cf2\.connection = .* Crazyswarm2 reads connection only from robot_types"
     ):
         vehicle_names(CrazyswarmParams(crazyflies=str(file)))
 
@@ -97,10 +99,10 @@ def test_a_robots_own_connection_is_for_the_radio_only_as_crazyswarm2_does_not_r
 @pytest.mark.parametrize(
     ("robots", "message"),
     [
-        (None, "robots = None: a mapping of names to values is expected"),
+        (None, "robots = None; must be a mapping of names to values"),
         ({"cf1": {"enabled": False}}, "none is enabled"),
-        ({"cf1": {"enabled": "yes"}}, "robots.cf1.enabled = 'yes': true or false is expected"),
-        ({"cf1": {"enabled": True}}, "cf1: uri = '': something like radio"),
+        ({"cf1": {"enabled": "yes"}}, "robots.cf1.enabled = 'yes'; must be true or false"),
+        ({"cf1": {"enabled": True}}, "cf1: uri = ''; must be a URI like radio"),
         ({"cf1": {"enabled": True, "uri": "udp://x", "initial_position": [1, 2]}}, "three numbers"),
         (
             {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},
@@ -114,9 +116,9 @@ def test_a_robots_own_connection_is_for_the_radio_only_as_crazyswarm2_does_not_r
                     "firmware_params": {"ctrlMel": {"mass": "heavy"}},
                 }
             },
-            r"robots\.cf1\.firmware_params\.ctrlMel\.mass = 'heavy': a number is expected",
+            r"robots\.cf1\.firmware_params\.ctrlMel\.mass = 'heavy'; must be a number",
         ),
-        ({"my cf": {"enabled": True, "uri": "udp://x"}}, "vehicle 'my cf': a name is a letter"),
+        ({"my cf": {"enabled": True, "uri": "udp://x"}}, "vehicle 'my cf': a name must be a letter"),
     ],
 )
 def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> None:
@@ -128,13 +130,17 @@ def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> N
     ("names", "uris", "message"),
     [
         ((), (), "no vehicles: set crazyflies:=FILE, or vehicles and uris"),
-        (("cf1",), ("hello",), "cf1: uri = 'hello': something like radio://"),
-        (("cf1",), ("rdio://0/80",), "cf1: uri = 'rdio://0/80': something like radio://"),
+        (("cf1",), ("hello",), "cf1: uri = 'hello'; must be a URI like radio://"),
+        (("cf1",), ("rdio://0/80",), "cf1: uri = 'rdio://0/80'; must be a URI like radio://"),
         (("cf1", "cf2"), ("udp://x", "udp://x"), "cf1 and cf2 have the same uri udp://x"),
         (("cf1", "cf2"), ("radio://0/80/2M/E7E7", "radio://0/80/2M/e7e7"), "cf1 and cf2 have the same uri"),
         (("cf1", "cf2"), ("radio://0/80/2M", "radio://1/80/2M/E7E7E7E7E7"), "cf1 and cf2 have the same uri"),
         (("cf1", "cf1"), ("udp://x", "udp://y"), "duplicate vehicle names in cf1, cf1"),
-        (("my-cf",), ("udp://x",), "vehicle 'my-cf': a name is a letter, then letters, digits and _"),
+        (
+            ("my-cf",),
+            ("udp://x",),
+            "vehicle 'my-cf': a name must be a letter followed by letters, digits and _",
+        ),
     ],
 )
 def test_wrong_vehicles_of_parameters_are_refused(

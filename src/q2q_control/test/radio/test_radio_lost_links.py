@@ -65,7 +65,7 @@ def lost_in_hover() -> Bench:
 
 def test_a_vehicle_lost_in_a_hover_is_landed_with_the_others_once_it_is_back() -> None:
     bench = lost_in_hover()
-    assert "cf2 is lost in flight: its high-level commander hovers on" in bench.pilot.log_lines()
+    assert "cf2 is lost in flight: its high-level commander keeps hovering" in bench.pilot.log_lines()
     bench.links["cf2"].now = FLIES
     bench.look(0.02)
     assert set(bench.pilot.phases.values()) == {Phase.CLIMBING}

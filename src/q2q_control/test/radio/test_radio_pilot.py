@@ -62,7 +62,7 @@ def test_disarming_is_done_when_no_vehicle_is_armed_and_says_who_arms_itself() -
     assert bench.pilot.outcome(bench.t + 1.9) is None
     bench.links["cf1"].now = replace(WELL, armed=False)
     reply = bench.pilot.outcome(bench.t + 2.1)
-    assert reply == Reply(granted=False, reason="cf2 armed again: the build arms itself")
+    assert reply == Reply(granted=False, reason="cf2 armed again: their firmware arms itself")
     assert [link.sent[-1] for link in bench.links.values()] == ["disarm", "disarm"]
 
 
@@ -162,7 +162,7 @@ def test_a_vehicle_commanded_cut_is_logged_and_reported_as_cut_until_it_is_armed
     bench.pilot.log_lines()
     bench.pilot.cut(("cf2",), bench.t)
     bench.pilot.cut(("cf2",), bench.t)
-    assert bench.pilot.log_lines() == ["cf2 is commanded CUT: motors stopped", "cf2 is ready"]
+    assert bench.pilot.log_lines() == ["cf2 received CUT: motors stopped", "cf2 is ready"]
     reports = RadioExecutor(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
     assert [one.cut for one in reports] == [False, True]
     bench.done(Act.ARM)

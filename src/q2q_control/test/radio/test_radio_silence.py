@@ -196,7 +196,8 @@ def test_a_stop_is_sent_again_for_2_s_of_connection_over_two_losses() -> None:
 
 
 def test_timeouts_out_of_order_are_refused() -> None:
-    with pytest.raises(ValueError, match="at least the one before"):
+    order = "command_timeout_level_s <= command_timeout_land_s <= command_timeout_stop_s"
+    with pytest.raises(ValueError, match=f"; must satisfy {order}"):
         RadioPilotParams(command_timeout_land_s=6.0)
 
 

@@ -66,7 +66,7 @@ def facts_from_text(words: Iterable[str]) -> FlightFacts:
     for word in words:
         name, equals, value = word.partition("=")
         if not equals or name not in NAMES:
-            raise ValueError(f"fact {word!r}: write name=value, the name one of {', '.join(NAMES)}")
+            raise ValueError(f"fact {word!r}: write name=value; name must be one of {', '.join(NAMES)}")
         if name in found:
             raise ValueError(f"fact {name} is given twice: {found[name]} and {value}")
         found[name] = value

@@ -50,7 +50,7 @@ def topics_by_name(bag: BagReader) -> dict[str, str]:
             continue
         if name in found.values():
             raise BagError(
-                f"bag {bag.path} has two topics {name}: {topic} and another; read one by a topic map"
+                f"bag {bag.path} has two topics {name}, {topic} and another; choose one with a topic map"
             )
         found[topic] = name
     return found

@@ -97,7 +97,7 @@ class BagWriter:
         """
         self._check_open()
         if self._types.get(topic, type_name) != type_name:
-            raise BagError(f"topic {topic} holds {self._types[topic]}; it cannot hold {type_name} too")
+            raise BagError(f"topic {topic} has type {self._types[topic]}; cannot write {type_name} to it")
         if topic in self._types:
             return
         definition, digest = definition_of(type_name)
@@ -115,7 +115,7 @@ class BagWriter:
         self._check_open()
         if topic not in self._connections:
             known = ", ".join(self._types) or "none"
-            raise BagError(f"topic {topic} is not announced: add_topic first; announced: {known}")
+            raise BagError(f"topic {topic} is not announced: call add_topic first; announced: {known}")
         begin = self._chunk_begin
         if begin is not None and abs(stamp_ns - begin) >= CHUNK_NS:
             self.flush()
@@ -162,7 +162,7 @@ class BagWriter:
         with suppress(OSError):
             self._writer.storage.bio.close()
         raise BagError(
-            f"cannot write to the bag {self.path}: {refused.strerror}; what it holds can be read"
+            f"cannot write to the bag {self.path}: {refused.strerror}; its messages so far can be read"
         ) from refused
 
     def __enter__(self) -> Self:

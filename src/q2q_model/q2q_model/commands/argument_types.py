@@ -20,8 +20,8 @@ def whole_number(low: int, high: int = LARGEST_INTEGER) -> Callable[[str], int]:
         if low <= found <= high:
             return found
         open_above = high == LARGEST_INTEGER and found < low
-        allowed = f"{low} or more" if open_above else f"{low} to {high}"
-        raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
+        allowed = f">= {low}" if open_above else f"in [{low}, {high}]"
+        raise argparse.ArgumentTypeError(f"{given}; must be an integer {allowed}")
 
     return number
 
@@ -30,7 +30,7 @@ def finite_number(given: str) -> float:
     """Return a finite number: a type of arguments."""
     number = _number(given)
     if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"{given}: any finite number is allowed")
+        raise argparse.ArgumentTypeError(f"{given}; must be a finite number")
     return number
 
 
@@ -38,7 +38,7 @@ def positive_number(given: str) -> float:
     """Return a number above zero: a type of arguments, refused if it is not finite."""
     number = _number(given)
     if not 0.0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"{given}: a number above 0 is required")
+        raise argparse.ArgumentTypeError(f"{given}; must be a finite number above 0")
     return number
 
 

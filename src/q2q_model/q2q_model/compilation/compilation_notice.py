@@ -8,7 +8,7 @@ import sys
 from numba.core import event
 
 NOTICE = (
-    "compiling code that runs for the first time on this machine: half a minute for a flight, minutes for "
+    "compiling code for its first run on this machine: half a minute for a flight, minutes for "
     "everything; later starts load it"
 )
 

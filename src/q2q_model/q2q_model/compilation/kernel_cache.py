@@ -78,8 +78,7 @@ class KernelIndex(IndexDataCacheFile):  # type: ignore[misc]  # numba has no typ
 def warn_of_no_store() -> None:
     """Warn, once in a process, that code is not kept; Python's own count of warnings is lost in numba."""
     warnings.warn(
-        "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a folder that "
-        "can be written",
+        "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a writable folder",
         RuntimeWarning,
         stacklevel=1,
     )

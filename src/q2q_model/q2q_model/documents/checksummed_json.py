@@ -45,7 +45,7 @@ def decode_checksummed(text: str, form: FileFormat) -> dict[str, Plain]:
         ChecksummedFileError: too long, not JSON, another format or version, or a wrong checksum.
     """
     if len(text) > LONGEST:
-        raise ChecksummedFileError(f"{len(text)} characters; at most {LONGEST} are read")
+        raise ChecksummedFileError(f"{len(text)} characters; must be at most {LONGEST}")
     try:
         body = json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -76,7 +76,7 @@ def _mistakes(error: Exception, path: str, kind: object) -> Iterator[str]:
     elif isinstance(error, _UnexpectedError):
         expected = get_args(kind)[1] if _origin(kind) is Annotated else error.expected
         given = shown_value(error.value)
-        yield f"{path} = {given}: {expected} is expected" if path else f"got {given}, expected {expected}"
+        yield f"{path} = {given}; must be {expected}" if path else f"got {given}, expected {expected}"
     elif isinstance(error, ForbiddenExtraKeysError):
         known = _keys(error.cl)
         for key in sorted(map(str, error.extra_fields)):
@@ -93,7 +93,7 @@ def _mistakes(error: Exception, path: str, kind: object) -> Iterator[str]:
 def _converter(extra: bool) -> Converter:
     """Return the converter that ignores unknown keys, or refuses them."""
     made = Converter(forbid_extra_keys=not extra)
-    for kind, expected in ((bool, "true or false"), (int, "a whole number"), (str, "text")):
+    for kind, expected in ((bool, "true or false"), (int, "an integer"), (str, "text")):
         made.register_structure_hook(kind, _after_check(kind, expected, lambda value, _: value))
     made.register_structure_hook(float, _number)
     made.register_structure_hook(_Key, _name)
@@ -129,7 +129,7 @@ def _after_check(accepted: type | UnionType, expected: str, hook: Hook) -> Hook:
 def _name(key: object, _: object) -> str:
     """Return a key as text; raise _UnexpectedError for `on`, `no`, `null`, which YAML reads as others."""
     if key is None or isinstance(key, bool):
-        raise _UnexpectedError(key, "a name (in quotes: on, off, yes, no, null)")
+        raise _UnexpectedError(key, "a name (quote on, off, yes, no and null)")
     return str(key)
 
 
@@ -164,7 +164,7 @@ def _tuple_hook(kind: type, made: Converter) -> Hook:
     types = get_args(kind)
     if types[-1] is Ellipsis:
         return _after_check(list | tuple, "a list", homogenous_tuple_structure_factory(kind, made))
-    own, expected = made.gen_structure_hetero_tuple(kind), f"a list of {len(types)}"
+    own, expected = made.gen_structure_hetero_tuple(kind), f"a list of {len(types)} values"
 
     def read(value: list[object], kind: object) -> object:
         if len(value) != len(types):

@@ -34,7 +34,7 @@ def to_plain(value: object, path: str = "") -> Plain:
         raise PlainValueError(f"{path.lstrip('.')} = {value}: only finite numbers can be written")
     if value is None or isinstance(value, bool | int | float | str):
         return value
-    raise PlainValueError(f"{path.lstrip('.')} is a {type(value).__name__}: it has no plain form")
+    raise PlainValueError(f"{path.lstrip('.')} is a {type(value).__name__}, which cannot be written")
 
 
 def from_plain(kind: type[T], plain: object, where: str, *, extra: bool = False) -> T:

@@ -53,7 +53,7 @@ class _Loader(yaml.SafeLoader):
         """Return the document's node; raise ComposerError if it has more than MOST_VALUES values."""
         node = super().get_single_node()
         if node is not None and _values(node, {}) > MOST_VALUES:
-            problem = f"more than {MOST_VALUES} values: write fewer, or fewer aliases"
+            problem = f"more than {MOST_VALUES} values: write fewer values or aliases"
             raise yaml.composer.ComposerError(problem=problem, problem_mark=node.start_mark)
         return node
 

@@ -64,7 +64,7 @@ class EnvelopeNetwork:
         """Check the widths of the envelope."""
         for name, value in (("eps", self.eps), ("d", self.d)):
             if not 0.0 < value < 10.0:
-                raise ValueError(f"EnvelopeNetwork.{name} = {value}: must be 0 to 10 m, both excluded")
+                raise ValueError(f"EnvelopeNetwork.{name} = {value}; must be above 0 and below 10 m")
 
     @property
     def reach(self) -> Reach:

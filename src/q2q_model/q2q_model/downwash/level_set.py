@@ -76,7 +76,7 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
     excess = _strength(model) - threshold
     if not (excess > 0.0).any():
         peak = float(excess.max()) + threshold
-        raise ValueError(f"zone threshold = {threshold} m/s^2: must be 0 to the downwash's peak, {peak:.3g}")
+        raise ValueError(f"zone threshold = {threshold} m/s^2; must be below the downwash's peak, {peak:.3g}")
     nodes = np.indices(excess.shape).reshape(2, -1).T
     distance, _ = cKDTree(_crossings(excess)).query(nodes.astype(np.float64))
     table = np.where(excess > 0.0, -1.0, 1.0) * STEP * distance.reshape(excess.shape)

@@ -56,5 +56,5 @@ def check_shapes(frame: MocapFrame) -> None:
     if frame.pos.shape != (count, 3) or frame.quat.shape != (count, 4):
         raise ValueError(
             f"frame at t = {frame.t} has {count} names, pos {frame.pos.shape}, quat {frame.quat.shape}; "
-            f"allowed are ({count}, 3) and ({count}, 4)"
+            f"must be ({count}, 3) and ({count}, 4)"
         )

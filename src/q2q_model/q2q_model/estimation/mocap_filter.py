@@ -129,7 +129,7 @@ class MocapFilter:
             else:
                 return self._left_out(frame, self._last)
         elif not np.isfinite(frame.t):
-            raise ValueError(f"frame.t = {frame.t}: a first frame needs a time [s]")
+            raise ValueError(f"frame.t = {frame.t}; must be the time of the first frame [s]")
         self._last = self._step(frame)
         return self._last
 

@@ -12,14 +12,14 @@ LASTING = 0.35
 """Time for which a fault must last to be reported [s]: names are exchanged, and frames repeated, for less."""
 
 _WORDS = {
-    "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
-    "frozen": "poses that repeat exactly are rejected: {}; check that motion capture sees their markers",
-    "rejected": "many samples are rejected: {}; are jump_max and position_noise too small?",
-    "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
-    "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",
-    "upside_down": "upside down by their quaternions: {}; are these x, y, z, w, and markers as defined?",
-    "low_rate": "the frame rate is too low for coast_s: one lost frame loses vehicles: {}",
-    "missing": "no position of {}: are its markers seen, and is this its name in motion capture?",
+    "exchanged": "names exchanged by motion capture: {}; tracked by motion: land and check their markers",
+    "frozen": "repeated poses rejected: {}; check that motion capture sees these vehicles",
+    "rejected": "many samples rejected: {}; jump_max or position_noise may be too small",
+    "outside": "positions beyond pos_max rejected: {}; check that they are in metres",
+    "not_unit": "quaternions not of unit length rejected: {}; check that they are x, y, z, w",
+    "upside_down": "upside down by their quaternions: {}; check the order x, y, z, w and the markers",
+    "low_rate": "frame rate too low for coast_s, one missing frame loses vehicles: {}",
+    "missing": "no position of {}: check its markers and its name in motion capture",
 }
 
 
@@ -44,7 +44,7 @@ class MocapWarnings:
         before, self.text = self.text, self._lasting(t)
         if self.text == before:
             return ""
-        return self.text or "motion capture is sound again"
+        return self.text or "motion capture is good again"
 
     def _lasting(self, t: float) -> str:
         """Return what has lasted, with the vehicles."""

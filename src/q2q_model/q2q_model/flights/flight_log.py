@@ -44,8 +44,8 @@ def log_at(log: FlightLog, t: Array, names: Names) -> FlightLog:
         return log
     if not set(names) <= set(log.names):
         raise ValueError(
-            f"its log is of {', '.join(log.names)}, not of {', '.join(names)}: log all vehicles under their "
-            "names, or record the flight without a log"
+            f"its log has vehicles {', '.join(log.names)}, not {', '.join(names)}: log all vehicles by name, "
+            "or record the flight without a log"
         )
     order = np.argsort(log.t, kind="stable")
     row = np.clip(np.searchsorted(log.t[order], t - SAME_STAMP), 0, log.t.size - 1)

@@ -52,7 +52,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     """
     present = {topic: signals[topic] for topic in FLIGHT_FIELDS if signals.get(topic)}
     if not present:
-        raise ValueError(f"there is no signal; a flight needs one of {', '.join(FLIGHT_FIELDS)}")
+        raise ValueError(f"no signal found; a flight needs one of {', '.join(FLIGHT_FIELDS)}")
     names = tuple(
         dict.fromkeys(vehicle for topic in _NAME_SOURCES for vehicle in _names_in(present.get(topic, ())))
     )
@@ -132,7 +132,7 @@ def _remarks(topic: str, found: Sequence[SignalRows], t: Array, ticks_of: str) -
     if repeated:
         remarks.append(f"{counted(repeated, 'repeated stamp')} on {topic}: the last message is used")
     if any(np.any(np.diff(rows.t) < 0.0) for rows in found):  # each of one node
-        remarks.append(f"stamps on {topic} are out of order: sorted")
+        remarks.append(f"stamps on {topic} are out of order: sorted by time")
     return remarks
 
 

@@ -56,7 +56,7 @@ def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = N
     if np.any(~(np.diff(t) > 0.0)):
         row = int(np.argmax(~(np.diff(t) > 0.0)))
         raise ValueError(
-            f"t must increase; {t[row + 1]} follows {t[row]}: sort, and drop repeated stamps first"
+            f"t must increase; {t[row + 1]} follows {t[row]}: sort them and drop repeated stamps first"
         )
     tracks = pos.reshape(len(t), prod(pos.shape[1:-1]), 3)
     found = [_outliers_of_track(t, tracks[:, column], limits) for column in range(tracks.shape[1])]

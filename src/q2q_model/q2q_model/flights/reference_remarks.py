@@ -7,19 +7,17 @@ import numpy as np
 from q2q_model.flights.sampled_reference import HOLD_S, SampledReference
 from q2q_model.signals.values import Names
 
-FITTED = (
-    "of a fit to their positions {} used, also for a controller that has none; map FullState or reference"
-)
-BOTH_FITTED = f"have no velocity and acceleration: those {FITTED.format('are')}"
-VEL_FITTED = f"have no velocity: that {FITTED.format('is')}"
-ACC_FITTED = f"have no acceleration: that {FITTED.format('is')}"
+FITTED = "fitted to their positions, even for a controller that has none; map FullState or reference"
+BOTH_FITTED = f"have no velocity and acceleration: both are {FITTED}"
+VEL_FITTED = f"have no velocity: it is {FITTED}"
+ACC_FITTED = f"have no acceleration: it is {FITTED}"
 OFF_TICKS = (
-    "do not come at ticks of the poses, or not evenly: the gains may lie outside of their intervals, by some "
-    "per cent"
+    "do not come at ticks of the poses, or not evenly: the gains may be outside their intervals by some per "
+    "cent"
 )
 GOALS = (
-    f"mostly stand for more than {HOLD_S:g} s: they are read as goals that are held; if they are of a "
-    "trajectory that moves, the gains are wrong"
+    f"mostly stand for more than {HOLD_S:g} s: they are read as held goals; if they belong to a moving "
+    "trajectory, the gains are wrong"
 )
 
 

@@ -95,4 +95,6 @@ def _check_size(zone: Cylinder | Ellipsoid) -> None:
     """Raise ValueError for a zone without extent, or one larger than any room."""
     for name, value in (("eps", zone.eps), ("d", zone.d)):
         if not 0.0 < value < LARGEST:
-            raise ValueError(f"{type(zone).__name__}.{name} = {value}: must be 0 to {LARGEST:g} m, exclusive")
+            raise ValueError(
+                f"{type(zone).__name__}.{name} = {value}; must be above 0 and below {LARGEST:g} m"
+            )

@@ -48,5 +48,5 @@ class CarriedWeight:
         side = f"below {LIGHTEST:g}" if light[i] > heavy[i] else f"above {HEAVIEST:g}"
         return (
             f"the median thrust of {self._names[i]} in the air is {side} times the weight of "
-            f"{self._vehicle.name}: name the vehicle with --vehicle, and send commands in newtons"
+            f"{self._vehicle.name}: name the vehicle with --vehicle and send commands in newtons"
         )

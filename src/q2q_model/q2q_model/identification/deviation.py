@@ -124,7 +124,7 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     if len(overlaps) < 2:
         raise ValueError(
             f"{len(overlaps)} of {len({one.name for one in records})} flights have vehicles within "
-            f"{given.eps} m of each other horizontally, 2 needed to fit the decay of dev"
+            f"{given.eps} m of each other horizontally; the decay of dev needs at least 2"
         )
     gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
     best = _decay(gaps, devs, given.allowed)

@@ -25,8 +25,8 @@ def difference_note(least: FlightGain, most: FlightGain) -> list[str]:
     )
     return [
         (
-            f"the flights were flown with different gains: {of_each}: those of all together are of no "
-            "controller, and the model file has none: identify the flights of each controller alone"
+            f"the flights were flown with different gains: {of_each}: a joint fit describes neither "
+            "controller, so the model file has no gains: identify the flights of each controller alone"
         )
     ]
 
@@ -54,8 +54,8 @@ def unstable_reason(fit: GainFit) -> str:
     if fit.loop.k_p > 0.0 and fit.loop.k_d > 0.0:
         return ""
     return (
-        f"K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both above 0: is z up in positions and "
-        "references, and is the reference that of the controller?"
+        f"K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both above 0: check that z is up in "
+        "positions and references, and that the reference is the controller's"
     )
 
 
@@ -84,8 +84,8 @@ def _filter_note(recordings: Sequence[Recording]) -> list[str]:
         return []
     return [
         (
-            f"{count} of {len(recordings)} flights have no states: K_d is fitted to velocities that the "
-            "mocap filter makes of their poses. It is too small, beyond its interval, if the controller had "
-            "other velocities (4.7 for 5 by noise of 0.3 mm, 3.5 by 1 mm): record the topic state"
+            f"{count} of {len(recordings)} flights have no states: K_d is fitted to velocities from the "
+            "mocap filter. It is too small, beyond its interval, if the controller used other velocities "
+            "(4.7 for 5 by noise of 0.3 mm, 3.5 by 1 mm): record the topic state"
         )
     ]

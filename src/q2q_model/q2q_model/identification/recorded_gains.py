@@ -44,7 +44,7 @@ def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
     return [
         (
             "the topic interference is recorded, but no commands: if the controller compensated it, the "
-            "model has what was left of it; record the topic command"
+            "model describes only the remainder; record the topic command"
         )
     ]
 

@@ -31,9 +31,7 @@ GAPS = 100
 def check_model(model: InteractionModel) -> None:
     """Raise ValueError if a model predicts more than LARGEST, or has a delay beyond LONGEST_S."""
     if not model.max_delay <= LONGEST_S:
-        raise ValueError(
-            f"model: its air arrives {model.max_delay:.3g} s later; at most {LONGEST_S:g} s are allowed"
-        )
+        raise ValueError(f"model: its delay is {model.max_delay:.3g} s; must be at most {LONGEST_S:g} s")
     _check_push(model)
 
 
@@ -49,7 +47,7 @@ def _check_push(model: InteractionModel) -> None:
             side = "above" if rel_pos[worst, 2] > 0.0 else "below"
             raise ValueError(
                 f"model: a source {abs(rel_pos[worst, 2]):.2f} m {side} a vehicle accelerates it by "
-                f"{push[worst]:.3g} m/s^2; at most {LARGEST:.1f}, five g, are allowed: identify it again"
+                f"{push[worst]:.3g} m/s^2; must be at most {LARGEST:.1f} (5 g): identify it again"
             )
 
 

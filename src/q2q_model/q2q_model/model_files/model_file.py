@@ -148,7 +148,7 @@ def _tag(value: object, known: Mapping[str, type], path: str) -> Plain:
     for name, cls in known.items():
         if isinstance(value, cls):
             return {"type": name, "parameters": to_plain(value, path)}
-    raise ModelFileError(f"a {type(value).__name__} cannot be stored; allowed are {', '.join(known)}")
+    raise ModelFileError(f"a {type(value).__name__} cannot be stored; choose one of {', '.join(known)}")
 
 
 def _tagged(plain: Plain, known: Mapping[str, type[T]], path: str) -> tuple[type[T], Plain, str]:

@@ -46,7 +46,7 @@ def connections_from_text(text: str, node: str) -> Connections:
     if not all(map(WORD.fullmatch, words)):
         raise ValueError(
             f"{node} answers {reprlib.repr(text)} to ~/ready, not topics with their readers: "
-            "is it a q2q node of this version? End it, or give this flight another ROS_DOMAIN_ID"
+            "it may not be a q2q node of this version; end it, or give this flight another ROS_DOMAIN_ID"
         )
     marks = (READS, OUT, LACKS)
     reads, out, lacks = (

@@ -63,7 +63,7 @@ def restrict(environment: MutableMapping[str, str]) -> None:
         return
     if stays_here(environment):
         if environment.get(DOMAIN, "").strip() == LAST_DOMAIN:
-            raise ValueError(f"{DOMAIN} is {LAST_DOMAIN}, which has too few ports: choose one from 0 to 231")
+            raise ValueError(f"{DOMAIN} is {LAST_DOMAIN}, which has too few ports: choose one in [0, 231]")
         environment.update(restriction(PROFILE))
         environment.pop(DEPRECATED, None)
         return

@@ -59,5 +59,5 @@ def _reject_copies(paths: Sequence[Path], recordings: Sequence[Recording]) -> No
         for j, earlier in enumerate(digests[:k]):
             if is_same_flight(own, earlier):
                 raise BagError(
-                    f"{paths[j]} and {paths[k]} hold the same flight, or parts of it; give each flight once"
+                    f"{paths[j]} and {paths[k]} contain the same flight or parts of it; give it once"
                 )

@@ -55,6 +55,6 @@ def _remarks(what: str, values: Array, wrong: Mask, axes: tuple[Array, Names]) -
         row, count = int(np.argmax(wrong[:, i])), int(wrong[:, i].sum())
         value = float(np.nanmax(np.abs(values[row, i])))
         yield (
-            f"{what} of {names[i]} is {value:.3g} at {t[row]:.3f} s, {LARGEST:g} is the maximum (SI units): "
+            f"{what} of {names[i]} is {value:.3g} at {t[row]:.3f} s, maximum {LARGEST:g} (SI units): "
             f"{counted(count, 'such value')} left out"
         )

@@ -27,7 +27,7 @@ def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
             there = sorted(one for one in path.iterdir() if one.suffix in TABLES or is_bag(one))
             others = [one for one in there if one.suffix == ".csv" and not is_flight_csv(one)]
             if len(there) == len(others):
-                raise ValueError(f"{path} is not a bag, and contains neither a bag nor a table of a flight")
+                raise ValueError(f"{path} is not a bag and contains neither bags nor flight tables")
             found += [one for one in there if one not in others]
             notes += [f"skipped: {one} has no column t, so it is not a flight" for one in others]
         elif path.suffix in TABLES or is_bag(path) or not path.exists():

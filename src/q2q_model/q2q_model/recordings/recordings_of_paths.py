@@ -26,9 +26,7 @@ def recordings_of_paths(
     reject_duplicates(found)
     tables = [path for path in found if path.suffix in TABLES and path.is_file()]
     if topics is not None and len(tables) == len(found):
-        raise ValueError(
-            f"a topic map assigns topics of bags, and {tables[0]} is a table: leave out --topics"
-        )
+        raise ValueError(f"--topics applies to bags, but {tables[0]} is a table: leave out --topics")
     bags = [path for path in found if path not in tables]
     recordings, repairs = recordings_of_bags(bags, topics)
     recordings += [recording_of_table(path) for path in tables]

@@ -81,7 +81,7 @@ def model_receiver(
             age.restart()
             node.get_logger().info("model loaded")
         except ModelFileError as refusal:
-            health.refuse(f"model, the last one is kept: {refusal}")
+            health.refuse(f"model (the last one is kept): {refusal}")
 
     return receive
 

@@ -19,7 +19,7 @@ from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 
 CHANGING_NAMES = (
-    f"{MOST_LOST} vehicles are lost, and no new names are taken: set the parameter vehicles to those that fly"
+    f"{MOST_LOST} vehicles are lost, so new names are ignored: set the parameter vehicles to those that fly"
 )
 
 

@@ -67,13 +67,13 @@ class OnlineIdentification:
             self._node.get_logger().info(f"gain {estimate.gain:.3f} at t = {estimate.t:.1f} s")
         if limit := limit_reached(estimate.gain, self._refinement.params):
             self._node.get_logger().warning(
-                f"gain is held at {limit}: the model, --vehicle or a sensor does not fit this flight",
+                f"gain is held at its limit {limit}: the model, --vehicle or a sensor does not fit",
                 throttle_duration_sec=REFUSALS_S,
             )
 
     def end(self, out: Path) -> str:
         """Save the last model; return why none is saved, empty if it is."""
-        nothing = "" if self._ticks else f"no tick was complete: {self._join.lacking()}"
+        nothing = "" if self._ticks else f"no complete tick: {self._join.lacking()}"
         reason = nothing or self._carried.doubt()
         if not reason:
             save(out, self.refined)

@@ -28,11 +28,11 @@ def checked_array(output: object, shape: tuple[int, ...]) -> Array:
     Raises:
         ValueError: it is no such array; the message continues a sentence that begins with its name.
     """
-    needed = f"floats of shape {shape} are needed"
+    needed = f"must be floats of shape {shape}"
     try:
         given = np.asarray(output)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"is no array ({type(error).__name__}: {error}): {needed}") from error
+        raise ValueError(f"is not an array ({type(error).__name__}: {error}); {needed}") from error
     if given.shape != shape or given.dtype.kind not in "fiu":
-        raise ValueError(f"is {given.dtype} of shape {given.shape}: {needed}")
+        raise ValueError(f"is {given.dtype} of shape {given.shape}; {needed}")
     return given

@@ -33,8 +33,8 @@ def stamp_from_parts(sec: int, nanosec: int) -> int:
         BadStampError: `nanosec` is a second or more, or `sec` is beyond END_S.
     """
     if not (-END_S < sec < END_S and nanosec < NANOSECONDS):
-        allowed = f"sec within {END_S} and nanosec below {NANOSECONDS} are allowed"
-        raise BadStampError(f"stamp of sec {sec}, nanosec {nanosec}: {allowed}")
+        allowed = f"sec must be within {END_S} and nanosec below {NANOSECONDS}"
+        raise BadStampError(f"stamp of sec {sec}, nanosec {nanosec}; {allowed}")
     return int(sec) * NANOSECONDS + int(nanosec)
 
 

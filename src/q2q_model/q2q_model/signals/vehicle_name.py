@@ -11,5 +11,5 @@ LONGEST_SHOWN = 40
 def check_vehicle_name(name: str) -> None:
     """Raise ValueError for a vehicle's name that cannot begin a topic."""
     if not VEHICLE_NAME.fullmatch(name):
-        allowed = "a name is a letter, then letters, digits and _, at most 100"
+        allowed = "a name must be a letter followed by letters, digits and _, at most 100"
         raise ValueError(f"vehicle {name[:LONGEST_SHOWN]!r}: {allowed}")

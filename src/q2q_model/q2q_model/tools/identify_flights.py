@@ -47,7 +47,7 @@ def run(args: Namespace) -> int:
 def _refine_online(model: str, vehicle: str, out: Path) -> int:
     base, flown = find_model(model), vehicle_by_name(vehicle or DEFAULT_VEHICLE)
     if base.interaction == NoInteraction():
-        raise ValueError(f"--model {model} has no downwash that --live could scale: give another model")
+        raise ValueError(f"--model {model} has no downwash for --live to scale: give another model")
     if not vehicle:
         print(f"identify: {flown.name} is assumed to fly; name the vehicle with --vehicle", file=sys.stderr)
     # needs a sourced ROS, which reading bags does not
@@ -118,7 +118,7 @@ def _as_json(found: Identification, seconds: dict[str, float]) -> Plain:
     try:
         return to_plain(report(found, seconds))
     except PlainValueError as wrong:
-        raise ValueError(f"the report contains a value that JSON lacks: {wrong}") from wrong
+        raise ValueError(f"the report contains a value that JSON cannot express: {wrong}") from wrong
 
 
 def _draw(found: Identification, folder: Path) -> list[Path]:

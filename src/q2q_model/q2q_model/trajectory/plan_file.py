@@ -100,12 +100,12 @@ def _certified(document: Mapping[str, object], source: str) -> bool:
     if not stated:
         return False
     if "checksum" not in document:
-        warnings.warn(f"{source} has no checksum: it is taken as not certified", stacklevel=4)
+        warnings.warn(f"{source} has no checksum: treated as not certified", stacklevel=4)
         return False
     if document["checksum"] != checksum({key: one for key, one in document.items() if key != "checksum"}):
         raise ValueError(
-            "the checksum does not match: it was edited after it was certified (with certified = false it is "
-            "read without a proof)"
+            "the checksum does not match: it was edited after it was certified (set certified = false to "
+            "read it without a proof)"
         )
     return True
 
@@ -114,7 +114,7 @@ def _profile(document: Mapping[str, object]) -> tuple[tuple[float, float], ...]:
     rows = _array(document.get("zone_profile_m", []), "zone_profile_m")
     pairs = rows.size == 0 or (rows.ndim == 2 and rows.shape[1] == 2)
     if not pairs or not ((rows >= 0.0) & (rows <= LARGEST)).all():
-        raise ValueError("zone_profile_m: expected pairs of a radius and a height [m], 0 or more")
+        raise ValueError("zone_profile_m: expected pairs of a radius and a height, each at least 0 m")
     return tuple((float(radius), float(height)) for radius, height in rows.reshape(-1, 2))
 
 

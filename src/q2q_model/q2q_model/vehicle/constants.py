@@ -65,10 +65,10 @@ class Vehicle:
         """Check the numbers; raise ValueError with the field, its value and what is allowed."""
         for one in fields(self)[1:]:
             given = getattr(self, one.name)
-            least, bound = (0.0, "0 or more") if one.name == "thrust_lag" else (SMALLEST, "above 0")
+            least, bound = (0.0, "at least 0") if one.name == "thrust_lag" else (SMALLEST, "above 0")
             numbers = given if isinstance(given, tuple) else (given,)
             if not all(least <= number < inf for number in numbers):
-                raise ValueError(f"vehicle {self.name}: {one.name} = {given}: finite and {bound} is allowed")
+                raise ValueError(f"vehicle {self.name}: {one.name} = {given}; must be finite and {bound}")
 
     @property
     def hover_thrust(self) -> float:

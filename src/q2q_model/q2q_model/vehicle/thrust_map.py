@@ -56,5 +56,7 @@ def motor_thrust(vehicle: str, firmware: str) -> float | None:
     """
     known = MOTOR_THRUST.get(vehicle, {})
     if firmware not in known and (known or firmware != STOCK):
-        raise ValueError(f"firmware {firmware!r} of {vehicle}: choose one of {', '.join(known) or STOCK}")
+        raise ValueError(
+            f"unknown firmware {firmware!r} of {vehicle}; choose one of {', '.join(known) or STOCK}"
+        )
     return known.get(firmware)

@@ -107,7 +107,7 @@ def test_of_references_of_another_clock_it_is_said_how_to_read_them(tmp_path: Pa
     room = _room(tmp_path / "room.mcap", {"/cf1/goal": -0.2})
     found = "stamps of /cf1/goal are 200 ms behind those of /cf1/pose that were received at the same time"
     with pytest.warns(
-        BagRepairWarning, match=f"room.mcap: {found}; if they are of two clocks, add `stamps: rec"
+        BagRepairWarning, match=f"room.mcap: {found}; if they come from two clocks, add `stamps: rec"
     ):
         read_mapped_flight(room, MAPPED)
     by_receipt = TopicMap(MAPPED.vehicles, references=MAPPED.references, stamps="receive")

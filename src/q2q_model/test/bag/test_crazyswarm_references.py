@@ -90,11 +90,13 @@ def test_setpoints_of_crazyswarm2_are_references_with_all_that_they_carry(tmp_pa
 
 def test_a_setpoint_without_a_position_is_refused_with_what_is_read(tmp_path: Path) -> None:
     mapped = TopicMap(VEHICLES, references={"cf1": "/cf1/cmd_velocity_world"})
-    with pytest.raises(BagError, match=r"VelocityWorld, which is not read here; .*FullState, Position$"):
+    with pytest.raises(BagError, match=r"VelocityWorld, which cannot be read here; .*FullState, Position$"):
         read_mapped_flight(room_bag(tmp_path), mapped)
 
 
 @pytest.mark.parametrize("setpoint", ["/cf1/cmd_position", "/cf2/cmd_full_state"])
 def test_a_setpoint_is_no_pose_of_a_vehicle(tmp_path: Path, setpoint: str) -> None:
-    with pytest.raises(BagError, match=r"which is not read here; known are .*Odometry, TransformStamped$"):
+    with pytest.raises(
+        BagError, match=r"which cannot be read here; must be one of .*Odometry, TransformStamped$"
+    ):
         read_mapped_flight(room_bag(tmp_path), TopicMap({"cf1": setpoint}))

@@ -58,7 +58,7 @@ def test_facts_that_are_not_there_are_empty_and_those_of_others_passed_over(
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["vehicle"], "fact 'vehicle': write name=value, the name one of vehicle, firmware, scenario"),
+        (["vehicle"], "fact 'vehicle': write name=value; name must be one of vehicle, firmware, scenario"),
         (["pilot=me"], "fact 'pilot=me': write name=value"),
         (["vehicle=crazyflie2_1"], "unknown vehicle 'crazyflie2_1'"),
         (["vehicle=crazyflie_2_1", "firmware=stok"], "stok"),

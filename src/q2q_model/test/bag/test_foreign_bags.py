@@ -78,7 +78,9 @@ def test_a_topic_without_poses_or_not_there_is_named(tmp_path: Path) -> None:
         writer.write(
             string, 0, store.serialize_cdr(store.types["std_msgs/msg/String"](data="hi"), string.msgtype)
         )
-    with pytest.raises(BagError, match="std_msgs/msg/String, which is not read here; known are PoseStamped"):
+    with pytest.raises(
+        BagError, match="std_msgs/msg/String, which cannot be read here; must be one of PoseStamped"
+    ):
         read_mapped_flight(tmp_path / "bag", TopicMap(vehicles={"cf1": "/talk"}))
     with pytest.raises(BagError, match="has no topic /cf1; it has /talk"):
         read_mapped_flight(tmp_path / "bag", TopicMap(vehicles={"cf1": "/cf1"}))

@@ -61,9 +61,12 @@ def test_a_vehicle_with_two_sources_or_a_name_of_nobody_is_refused(
     [
         (
             TopicMap({"cf231": "/poses"}),
-            "NamedPoseArray, .* known are PoseStamped, .*Array is read under poses",
+            "NamedPoseArray, .* must be one of PoseStamped, .*Array is read under poses",
         ),
-        (TopicMap(poses="/cf231/pose"), "PoseStamped, which is not read here; known are NamedPoseArray,"),
+        (
+            TopicMap(poses="/cf231/pose"),
+            "PoseStamped, which cannot be read here; must be one of NamedPoseArray,",
+        ),
     ],
 )
 def test_poses_of_one_vehicle_and_of_all_are_not_taken_for_each_other(
@@ -77,8 +80,8 @@ def test_poses_of_one_vehicle_and_of_all_are_not_taken_for_each_other(
 @pytest.mark.parametrize(
     ("numbers", "rename", "message"),
     [
-        ((8, 7, 7), {"cf7": "cf1"}, "names are cf8; {} messages of /poses name cf7 twice: left out"),
-        ((7, 7, 7), {}, "has no pose of any vehicle; {} messages of /poses name cf7 twice: left out"),
+        ((8, 7, 7), {"cf7": "cf1"}, "names are cf8; {} messages of /poses name cf7 twice: ignored"),
+        ((7, 7, 7), {}, "has no pose of any vehicle; {} messages of /poses name cf7 twice: ignored"),
     ],
 )
 def test_where_poses_are_lacking_the_error_says_which_were_left_out(
@@ -94,7 +97,7 @@ def test_a_vehicle_is_left_out_of_the_messages_that_name_it_twice(tmp_path: Path
     """Only the second vehicle is in each fourth message, under the name that both have in the others."""
     write_named(tmp_path / "room.mcap", numbers=(7, 7, 8))
     left = TICKS - TICKS // 4
-    with pytest.warns(UserWarning, match=f": {left} messages of /poses name cf7 twice: left out"):
+    with pytest.warns(UserWarning, match=f": {left} messages of /poses name cf7 twice: ignored"):
         flight = read_mapped_flight(tmp_path / "room.mcap", TopicMap(poses="/poses"))
     assert set(flight.names) == {"cf7", "cf8"}
     for tick in range(TICKS):

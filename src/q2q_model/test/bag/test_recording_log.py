@@ -70,7 +70,7 @@ def test_rows_without_a_force_are_a_gap_of_their_vehicle_alone(tmp_path: Path):
 
 def test_a_log_of_other_vehicles_or_another_clock_is_refused(tmp_path: Path):
     other = replace(_log(), names=("cf1", "cf3"))
-    with pytest.raises(BagError, match="other: its log is of cf1, cf3, not of cf1, cf2:"):
+    with pytest.raises(BagError, match="other: its log has vehicles cf1, cf3, not cf1, cf2:"):
         recording_of_bag(_bag(tmp_path / "other", other))
     booted = replace(_log(), t=T - T[0] + 7.0)
     with pytest.raises(BagError, match=r"none of the 200 rows of its log \(7\.000 to 8\.990 s\) .*200 ticks"):

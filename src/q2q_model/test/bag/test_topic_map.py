@@ -17,9 +17,9 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path) -> None:
     assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, stamps="receive")
     for text, lines in (
         ("vehicle: {cf1: /a}", "unknown key 'vehicle'; did you mean vehicles"),
-        ("vehicles: [a]", "vehicles = .*: a mapping of names to values is expected"),
-        ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
-        ("tolerance_s: -1\nposes: /p", "must be 0 to 1 s"),
+        ("vehicles: [a]", "vehicles = .*; must be a mapping of names to values"),
+        ("stamps: wall\nposes: /p", "stamps = 'wall'; must be one of header, receive"),
+        ("tolerance_s: -1\nposes: /p", r"tolerance_s = -1.0; must be in \[0, 1\] s"),
         ("rename: {a: b}", "maps nothing"),
         ("vehicles: {a: /p, b: /p}", "topic /p is given for vehicles.a and vehicles.b; give each its own"),
         ("vehicles: {a: /p}\nreferences: {a: /p}", "/p is given for vehicles.a and references.a; give"),

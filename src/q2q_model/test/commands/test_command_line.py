@@ -48,11 +48,11 @@ def test_a_wrong_number_gets_no_hint(capsys: pytest.CaptureFixture[str]):
 
 @pytest.mark.parametrize(
     ("given", "allowed"),
-    [("-1", "0 or more"), ("x", "0 or more"), (f"{2**63}", "0 to 9223372036854775807")],
+    [("-1", ">= 0"), ("x", ">= 0"), (f"{2**63}", r"in \[0, 9223372036854775807\]")],
 )
 def test_a_whole_number_out_of_bounds_is_answered_with_the_bound_that_it_breaks(given: str, allowed: str):
     assert whole_number(0)(f"{2**63 - 1}") == 2**63 - 1
-    with pytest.raises(argparse.ArgumentTypeError, match=f"^{given}: a whole number is expected, {allowed}$"):
+    with pytest.raises(argparse.ArgumentTypeError, match=f"^{given}; must be an integer {allowed}$"):
         whole_number(0)(given)
 
 
@@ -203,4 +203,4 @@ def test_a_threshold_that_is_no_number_above_zero_is_refused(given: str, capsys:
     with pytest.raises(SystemExit) as ended:
         identify.main(["bag", "--out", "model.q2q", f"--threshold={given}"])
     assert ended.value.code == 2
-    assert f"argument --threshold: {given}: a number above 0 is required" in capsys.readouterr().err
+    assert f"argument --threshold: {given}; must be a finite number above 0" in capsys.readouterr().err

@@ -23,7 +23,7 @@ class Point:
     def __post_init__(self) -> None:
         """Refuse a time before the start."""
         if self.t < 0.0:
-            raise ValueError(f"t = {self.t}: 0 s or more is allowed")
+            raise ValueError(f"t = {self.t}; must be at least 0 s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ def test_a_document_becomes_the_values_it_gives_in_their_types() -> None:
 
 @pytest.mark.parametrize("name", ["on", "no", "null", "~"])
 def test_a_name_that_yaml_reads_as_another_value_is_refused_and_in_quotes_taken(name: str) -> None:
-    expected = r"paths.*: a name \(in quotes: on, off, yes, no, null\) is expected$"
+    expected = r"paths.*; must be a name \(quote on, off, yes, no and null\)$"
     with pytest.raises(ValueError, match=expected):
         from_plain(Document, parse_yaml(f"paths: {{{name}: []}}"), "file")
     assert from_plain(Document, parse_yaml(f"paths: {{'{name}': []}}"), "file").paths == {name: ()}
@@ -107,33 +107,36 @@ def test_values_of_numpy_are_written_as_those_of_python() -> None:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"paths": PATHS, "count": np.float64(3.5)}, "count = 3.5: a whole number is expected"),
-        ({"paths": PATHS, "limit": np.float32(np.nan)}, "limit = nan: a finite number is expected"),
-        ({"paths": {"cf1": [{"pos": np.zeros(2)}]}}, "paths.cf1[0].pos = [0.0, 0.0]: [x, y, z] in"),
+        ({"paths": PATHS, "count": np.float64(3.5)}, "count = 3.5; must be an integer"),
+        ({"paths": PATHS, "limit": np.float32(np.nan)}, "limit = nan; must be a finite number"),
+        ({"paths": {"cf1": [{"pos": np.zeros(2)}]}}, "paths.cf1[0].pos = [0.0, 0.0]; must be [x, y, z] in"),
         (None, "got None, expected a mapping with paths, count, on, reading, limit, table, names, "),
         ({}, "paths is missing"),
         ({"paths": PATHS, "cuont": 2}, "unknown key 'cuont'; did you mean count?"),
         ({"paths": PATHS, "x": 2}, "unknown key 'x'; choose one of paths, count, on, "),
-        ({"paths": PATHS, "count": True}, "count = True: a whole number is expected"),
-        ({"paths": PATHS, "count": "3"}, "count = '3': a whole number is expected"),
-        ({"paths": PATHS, "on": 1}, "on = 1: true or false is expected"),
-        ({"paths": PATHS, "limit": "3"}, "limit = '3': a number is expected"),
-        ({"paths": PATHS, "limit": False}, "limit = False: a number is expected"),
-        ({"paths": PATHS, "limit": float("inf")}, "limit = inf: a finite number is expected"),
+        ({"paths": PATHS, "count": True}, "count = True; must be an integer"),
+        ({"paths": PATHS, "count": "3"}, "count = '3'; must be an integer"),
+        ({"paths": PATHS, "on": 1}, "on = 1; must be true or false"),
+        ({"paths": PATHS, "limit": "3"}, "limit = '3'; must be a number"),
+        ({"paths": PATHS, "limit": False}, "limit = False; must be a number"),
+        ({"paths": PATHS, "limit": float("inf")}, "limit = inf; must be a finite number"),
         (
             {"paths": PATHS, "limit": 10**400},
-            f"limit = 1{13 * '0'}...{15 * '0'}: a finite number is expected",
+            f"limit = 1{13 * '0'}...{15 * '0'}; must be a finite number",
         ),
-        ({"paths": PATHS, "reading": "fast"}, "reading = 'fast': one of free, fixed is expected"),
-        ({"paths": PATHS, "reading": []}, "reading = []: one of free, fixed is expected"),
-        ({"paths": PATHS, "names": "ab"}, "names = 'ab': a list is expected"),
-        ({"paths": PATHS, "names": ["a", None]}, "names[1] = None: text is expected"),
-        ({"paths": PATHS, "table": [[1, 2], [3]]}, "table = [[1, 2], [3]]: a list of rows of one length"),
-        ({"paths": PATHS, "table": [[1, "x"]]}, "table[0][1] = 'x': a number is expected"),
-        ({"paths": []}, "paths = []: a mapping of names to values is expected"),
-        ({"paths": {"cf1": [{"pos": [1, 2]}]}}, "paths.cf1[0].pos = [1, 2]: [x, y, z] in metres is expected"),
-        ({"paths": {"cf1": [{"pos": [1, None, 2]}]}}, "paths.cf1[0].pos[1] = None: a number is expected"),
-        ({"paths": {"cf1": [{"pos": [1, 2, 3], "t": -1}]}}, "paths.cf1[0]: t = -1.0: 0 s or more is allowed"),
+        ({"paths": PATHS, "reading": "fast"}, "reading = 'fast'; must be one of free, fixed"),
+        ({"paths": PATHS, "reading": []}, "reading = []; must be one of free, fixed"),
+        ({"paths": PATHS, "names": "ab"}, "names = 'ab'; must be a list"),
+        ({"paths": PATHS, "names": ["a", None]}, "names[1] = None; must be text"),
+        (
+            {"paths": PATHS, "table": [[1, 2], [3]]},
+            "table = [[1, 2], [3]]; must be a list of rows of one length",
+        ),
+        ({"paths": PATHS, "table": [[1, "x"]]}, "table[0][1] = 'x'; must be a number"),
+        ({"paths": []}, "paths = []; must be a mapping of names to values"),
+        ({"paths": {"cf1": [{"pos": [1, 2]}]}}, "paths.cf1[0].pos = [1, 2]; must be [x, y, z] in metres"),
+        ({"paths": {"cf1": [{"pos": [1, None, 2]}]}}, "paths.cf1[0].pos[1] = None; must be a number"),
+        ({"paths": {"cf1": [{"pos": [1, 2, 3], "t": -1}]}}, "paths.cf1[0]: t = -1.0; must be at least 0 s"),
         (
             {"paths": {"cf1": [{"pos": [1, 2, 3], "z": 1}]}},
             "paths.cf1[0]: unknown key 'z'; choose one of pos, t",
@@ -152,8 +155,8 @@ def test_mistakes_are_named_at_once_and_the_fourth_is_counted() -> None:
     with pytest.raises(PlainValueError) as refusal:
         from_plain(Document, given, "file")
     assert str(refusal.value) == (
-        "file: paths.cf1[0].pos = 'x': [x, y, z] in metres is expected; paths.cf1[1].pos is missing; "
-        "paths.cf2 = 7: a list is expected; and 2 more"
+        "file: paths.cf1[0].pos = 'x'; must be [x, y, z] in metres; paths.cf1[1].pos is missing; "
+        "paths.cf2 = 7; must be a list; and 2 more"
     )
 
 

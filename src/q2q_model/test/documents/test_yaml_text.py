@@ -33,7 +33,7 @@ def test_a_text_becomes_plain_values_with_anchors_and_merges() -> None:
         ("[" * 5000, "is nested too deeply"),
         (
             NINE_TO_THE_NINTH,
-            "is not valid YAML: line 1: more than 1000000 values: write fewer, or fewer aliases",
+            "is not valid YAML: line 1: more than 1000000 values: write fewer values or aliases",
         ),
         ("a: &a [*a]", "is not valid YAML: line 1: more than 1000000 values"),
     ],

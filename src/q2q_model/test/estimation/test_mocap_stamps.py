@@ -84,7 +84,7 @@ def test_a_clock_set_ahead_is_followed_once_its_stamps_have_risen() -> None:
 def test_a_stamp_that_is_no_number_is_ignored_once_time_runs_and_refused_before():
     block = flown_until(5)
     assert block.update(replace(frame_at(5), t=float("nan"))).t == time_of(4)
-    with pytest.raises(ValueError, match="needs a time"):
+    with pytest.raises(ValueError, match="must be the time of the first frame"):
         MocapFilter(IDEAL_SENSING, PAIR).update(replace(frame_at(0), t=float("nan")))
 
 

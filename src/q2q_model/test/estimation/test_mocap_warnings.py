@@ -110,7 +110,7 @@ def test_samples_that_are_too_noisy_for_the_gates_are_reported(noise: float, rep
     for k in range(1000):
         found = seen_by(block, k, PLACES + rng.normal(0.0, noise, (2, 3)))
         lines.append(warnings.update(k * DT, found))
-    assert any("many samples are rejected: cf1, cf2" in line for line in lines) == reported
+    assert any("many samples rejected: cf1, cf2" in line for line in lines) == reported
     assert any(lines) == reported
 
 

@@ -117,7 +117,9 @@ def test_references_and_thrust_that_are_in_part_are_in_the_log() -> None:
 
 def test_angles_in_degrees_are_refused_where_they_are_the_attitude() -> None:
     degrees = {"cf1_roll_rad": np.full(TICKS, 6.0)}
-    with pytest.raises(ValueError, match=r"roll_rad and pitch_rad of cf1 reach 6 .* radians; .* 0\.0174533"):
+    with pytest.raises(
+        ValueError, match=r"roll_rad and pitch_rad of cf1 reach 6; must be in radians: .* 0\.0174533"
+    ):
         flight_table(_columns(*QUAT) | degrees)
     flight_table(_columns() | degrees)
 

@@ -115,7 +115,7 @@ def test_only_what_lacks_is_fitted_and_told() -> None:
     np.testing.assert_allclose(found.acc[50:-50], acc[50:-50], atol=4e-2 * 0.2 * OMEGA**2)
     assert found.fitted.tolist() == [[False, True]]
     assert reference_remarks("made", ("cf1",), [found])[0].startswith(
-        "made: references of cf1 have no acceleration: that of a fit to their positions is used, also for"
+        "made: references of cf1 have no acceleration: it is fitted to their positions, even for"
     )
 
 

@@ -109,16 +109,16 @@ def test_beyond_its_table_a_level_set_never_claims_more_than_the_true_distance()
 
 
 def test_a_threshold_above_the_downwashs_peak_is_refused():
-    with pytest.raises(ValueError, match=r"must be 0 to the downwash's peak, 0\.\d"):
+    with pytest.raises(ValueError, match=r"must be below the downwash's peak, 0\.\d"):
         level_set(Jet(strength=0.1), 5.0)
 
 
 @pytest.mark.parametrize("zone", [Cylinder, Ellipsoid])
 @pytest.mark.parametrize("size", [0.0, -0.1, 100.0, np.nan])
 def test_a_zone_of_no_size_is_refused(zone: type[Cylinder | Ellipsoid], size: float) -> None:
-    with pytest.raises(ValueError, match=rf"{zone.__name__}\.d = {size}: must be 0 to 100 m"):
+    with pytest.raises(ValueError, match=rf"{zone.__name__}\.d = {size}; must be above 0 and below 100 m"):
         zone(0.1, size)
-    with pytest.raises(ValueError, match=rf"{zone.__name__}\.eps = {size}: must be 0 to 100 m"):
+    with pytest.raises(ValueError, match=rf"{zone.__name__}\.eps = {size}; must be above 0 and below 100 m"):
         zone(size, 0.1)
 
 

@@ -19,7 +19,7 @@ def test_positions_in_millimetres_are_named(filtered: float, on_the_ground: int)
     flight = made_flight(CALM)
     mocap, pos = 1e3 * flight.mocap_pos, filtered * flight.pos
     mocap[:on_the_ground], pos[:on_the_ground] = 0.0, 0.0 * filtered
-    with pytest.raises(ValueError, match=r"x, y, z of \w+ in .* reach .* are they in metres\?"):
+    with pytest.raises(ValueError, match=r"x, y, z of \w+ in .* reach .*: check that they are in metres"):
         altitude_record(replace(flight, mocap_pos=mocap, pos=pos), CRAZYFLIE_2_0)
 
 

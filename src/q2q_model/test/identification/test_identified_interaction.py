@@ -185,7 +185,7 @@ def test_a_model_that_its_flights_do_not_show_is_doubted():
     unknown = replace(found.gains, k_d=Interval(0.4, 0.0, 0.9))
     inferred = [replace(one, pushes=()) for one in found.data]
     (first,) = model_doubts(unknown, scores, inferred, law, spread)
-    assert first.startswith("the downwash is inferred by gains that these flights do not determine")
+    assert first.startswith("the downwash is inferred with gains that these flights do not determine")
     useless = replace(scores, held_out=replace(found.held_out, r2=RoleScores(lower=-0.01)))
     (second,) = model_doubts(found.gains, useless, found.data, law, spread)
     assert "no better than none (R2 -0.010)" in second

@@ -113,7 +113,10 @@ def test_evaluate_knows_a_fitted_flight_by_its_contents_or_its_name(
     assert model.fit is not None
     save(tmp_path / "old.q2q", replace(model, fit=replace(model.fit, digests=())))
     assert evaluate.main(["--model", str(tmp_path / "old.q2q"), str(FLIGHTS[0])]) == 0
-    assert "a flight of this name is in the fit: not held out if it is this one" in capsys.readouterr().out
+    assert (
+        "a flight of this name is in the fit: if it is this one, it is not held out"
+        in capsys.readouterr().out
+    )
 
 
 @needs_bags
@@ -147,7 +150,7 @@ def test_flights_keep_names_of_their_own_however_their_folders_are_called(tmp_pa
 def test_a_flight_that_is_given_again_as_a_copy_or_by_its_file_is_refused(tmp_path: Path):
     shutil.copytree(FLIGHTS[0], tmp_path / "copy")
     for again in (tmp_path / "copy", next(FLIGHTS[0].glob("*.mcap"))):
-        with pytest.raises(BagError, match=f"{FLIGHTS[0].name} and .*{again.name} hold the same flight"):
+        with pytest.raises(BagError, match=f"{FLIGHTS[0].name} and .*{again.name} contain the same flight"):
             recordings_of_bags([FLIGHTS[0], FLIGHTS[1], again])
 
 
@@ -172,7 +175,7 @@ def test_what_lies_beside_bags_is_left_out_of_a_glob_with_a_note(
     [
         (["no_such_bag", "--out", "m.q2q"], "no_such_bag"),
         (["--live", "--out", "m.q2q", "--model", "paper_low"], "no model 'paper_low': give one of"),
-        (["--live", "--out", "m.q2q", "--model", "none"], "--model none has no downwash that --live could"),
+        (["--live", "--out", "m.q2q", "--model", "none"], "--model none has no downwash for --live to scale"),
     ],
 )
 def test_wrong_input_of_identify_is_one_line_without_a_traceback(

@@ -121,7 +121,7 @@ def test_a_vehicle_that_is_away_spoils_no_row_of_others() -> None:
     np.testing.assert_array_equal(gap[:, 0], brief[:, 2])
     assert unmeasured_note(joined) == ""
     never = replace(joined, measured=np.concatenate([made.measured, np.zeros((1000, 1), dtype=bool)], axis=1))
-    assert unmeasured_note(never) == "made: nothing was measured of c"
+    assert unmeasured_note(never) == "made: no measurements of c"
     assert push_samples(never)[0].usable.sum() == 600
 
 

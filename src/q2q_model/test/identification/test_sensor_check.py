@@ -76,7 +76,7 @@ def test_positions_whose_z_is_down_are_refused_in_a_sentence() -> None:
     """Positions, velocities and references as north, east, down: the commands seem to lead away."""
     flight, turned = made_flight(MADE), np.array([1.0, -1.0, -1.0])
     down = {name: getattr(flight, name) * turned for name in ("mocap_pos", "pos", "vel", "ref_pos")}
-    says = r"^no downwash can be inferred from altitudes, as K_p -\d.* K_d -\d.* is z up in positions"
+    says = r"^no downwash can be inferred from altitudes, as K_p -\d.* K_d -\d.*: check that z is up in"
     with pytest.raises(ValueError, match=says):
         identify([Recording(replace(flight, **down))], ProcedureParams(model_type="jet"), lambda _: None)
 

@@ -51,7 +51,7 @@ def test_connections_survive_their_text() -> None:
     ["yes", "/state=many", "/state=", "/state", "=1", "</a yes", "{}", "/a=1.5", "/a=-1", "x" * 10_000],
 )
 def test_an_answer_that_reports_no_connections_is_refused_with_the_node_that_gave_it(text: str) -> None:
-    with pytest.raises(ValueError, match=r"^pid answers '[^\n]{0,40}' to ~/ready, not topics .* End it, or"):
+    with pytest.raises(ValueError, match=r"^pid answers '[^\n]{0,40}' to ~/ready, not topics .* end it, or"):
         connections_from_text(text, "pid")
 
 

@@ -29,7 +29,7 @@ def test_an_impossible_number_or_vector_is_left_out_with_vehicle_and_time() -> N
     thrust[[300, 301], 0] = 1e300, np.inf
     ref_pos[400, 1, 2] = -1e200
     found, remarks = possible_flight(replace(flight, thrust=thrust, ref_pos=ref_pos))
-    most = "10000 is the maximum (SI units)"
+    most = "maximum 10000 (SI units)"
     assert sorted(remarks) == [
         f"ref_pos of cf2 is 1e+200 at {flight.t[400]:.3f} s, {most}: 1 such value left out",
         f"thrust of cf1 is 1e+300 at {flight.t[300]:.3f} s, {most}: 2 such values left out",
@@ -45,7 +45,7 @@ def test_of_a_log_forces_count_and_columns_in_other_units_do_not() -> None:
     log = FlightLog(np.arange(5.0), ("cf1",), ("faz_est", "m1"), ("", ""), values)
     found, remarks = possible_log(log)
     assert remarks == [
-        "faz_est of cf1 is 6.55e+04 at 0.000 s, 10000 is the maximum (SI units): 5 such values left out"
+        "faz_est of cf1 is 6.55e+04 at 0.000 s, maximum 10000 (SI units): 5 such values left out"
     ]
     assert np.isnan(found.column("faz_est")).all()
     assert (found.column("m1") == 65535.0).all()

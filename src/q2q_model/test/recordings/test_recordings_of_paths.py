@@ -31,7 +31,7 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
     assert len(notes) == 1
     (tmp_path / "lists").mkdir()
     (tmp_path / "lists" / "manifest.csv").write_text("name\n")
-    with pytest.raises(ValueError, match="neither a bag nor a table of a flight"):
+    with pytest.raises(ValueError, match="neither bags nor flight tables"):
         flights_among([tmp_path / "lists"])
 
 
@@ -57,7 +57,7 @@ def test_a_table_that_is_no_flight_is_refused_by_its_name(tmp_path: Path) -> Non
 
 def test_a_topic_map_without_a_bag_to_map_is_refused(tmp_path: Path):
     (tmp_path / "one.csv").write_text(HEAD + ROWS)
-    with pytest.raises(ValueError, match=r"topics of bags, and .*one\.csv is a table: leave out --topics"):
+    with pytest.raises(ValueError, match=r"applies to bags, but .*one\.csv is a table: leave out --topics"):
         recordings_of_paths([tmp_path], TopicMap({"cf1": "/cf1/pose"}))
 
 
@@ -81,7 +81,9 @@ def test_a_flight_given_twice_under_two_names_is_refused(tmp_path: Path) -> None
     table, other = _table(tmp_path / "one.csv", 0), _table(tmp_path / "two.csv", 1)
     bag, copy = _imported(table, tmp_path / "room"), _table(tmp_path / "copy.csv", 0)
     for again in (bag, copy):
-        with pytest.raises(ValueError, match=r"one\.csv hold the same flight|copy\.csv hold the same flight"):
+        with pytest.raises(
+            ValueError, match=r"one\.csv contain the same flight|copy\.csv contain the same flight"
+        ):
             recordings_of_paths([other, table, again])
     with pytest.raises(ValueError, match=r"two\.csv is given twice; give each flight once"):
         recordings_of_paths([other, table, other])

@@ -112,7 +112,7 @@ def test_repeated_names_another_frame_and_unequal_arrays_are_refused_by_name() -
         decode(encode(made(MocapFrame, ("cf1", "cf1"), 0), 0), MocapFrame)
     with pytest.raises(BadMessageError, match="frame_id 'wOrld'"):
         decode(encode(made(MocapFrame, ("cf1",), 0), 0).replace(b"world", b"wOrld"), MocapFrame)
-    with pytest.raises(BadMessageError, match="frame_id 'body'; allowed is 'world'"):
+    with pytest.raises(BadMessageError, match="frame_id 'body'; must be 'world'"):
         decode(encode(made(MocapFrame, ("cf1",), 0), 0).replace(b"world", b"body\0"), MocapFrame)
     whole = encode(made(MocapFrame, ("cf1", "cf2"), 0), 0)
     count = np.uint32(6).tobytes()

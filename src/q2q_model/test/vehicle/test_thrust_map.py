@@ -71,7 +71,7 @@ def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
 def test_a_firmware_that_a_vehicle_does_not_have_is_refused_with_those_it_has(
     vehicle: str, firmware: str, output: str
 ) -> None:
-    with pytest.raises(ValueError, match=f"firmware '{firmware}' of {vehicle}: {output}"):
+    with pytest.raises(ValueError, match=f"unknown firmware '{firmware}' of {vehicle}; {output}"):
         vehicle_by_name(vehicle, firmware)
 
 

@@ -41,9 +41,7 @@ def _prepare(args: Namespace) -> Work:
     if args.model:
         check_model_name(args.model)
     if args.warm_start and not args.avoid:
-        raise UsageError(
-            "--warm-start starts the search for a way around, which --no-avoid omits: give one of them"
-        )
+        raise UsageError("--warm-start starts the avoidance that --no-avoid omits: give one of them")
     require_existing("waypoint file", args.waypoints)
     require_existing("plan", args.warm_start)
     written = {"--out": args.out, "--json": args.json, "--csv": args.csv}

@@ -71,7 +71,7 @@ def random_swap(
         apart = zone.signed_distance(drawn[:, None] - places)  # (DRAWS, placed)
         clear = np.flatnonzero((apart > CLEAR).all(axis=1))
         if not clear.size:
-            raise CrowdedError(f"{len(places)} vehicles at rest leave no place for another ({DRAWS} draws)")
+            raise CrowdedError(f"{len(places)} vehicles at rest leave no room for another ({DRAWS} draws)")
         places = np.vstack([places, drawn[clear[0]]])
     ends = enumerate(zip(places, np.roll(places, 1, axis=0), strict=True), start=1)
     return tuple(waypoints_through(f"cf{k}", (0.0, room.time), both) for k, both in ends)

@@ -34,7 +34,7 @@ class Walls:
         """Raise ValueError unless each side is longer than zero, and finite."""
         if not all(-inf < low < high < inf for low, high in zip(self.low, self.high, strict=True)):
             words = f"x, y, z from {_words(self.low)} to {_words(self.high)}"
-            raise ValueError(f"walls: {words}: give finite numbers, the smallest first")
+            raise ValueError(f"walls: {words}; must be finite and in increasing order")
 
     def distances(self, pos: Array) -> Array:
         """Return the distances to the six walls [m], (..., 6), of positions (..., 3): low x y z, high x y z.

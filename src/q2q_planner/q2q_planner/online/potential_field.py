@@ -89,7 +89,7 @@ class PotentialFieldParams:
         """Raise ValueError where a number is out of bounds."""
         check_bounds(self)
         if len(self.k_s) != 3:
-            raise ValueError(f"PotentialFieldParams.k_s = {self.k_s}: three numbers are needed, for x, y, z")
+            raise ValueError(f"PotentialFieldParams.k_s = {self.k_s}; must be three numbers, for x, y, z")
 
     @property
     def variance(self) -> Array:

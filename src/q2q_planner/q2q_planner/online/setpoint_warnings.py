@@ -34,7 +34,7 @@ class SetpointWarnings:
             self._warned += step  # to or from a wrong stamp, or a clock that is set: no time has passed
         if reported and setpoint.t - self._warned > SETTLED_S:
             self._warned = -np.inf
-            return f"setpoints have been sound for {SETTLED_S:g} s"
+            return f"setpoints have been good for {SETTLED_S:g} s"
         return ""
 
 

@@ -64,7 +64,7 @@ class MeasuredPoses:
             name for name, one in zip(self._names, seen, strict=True) if not np.isfinite(one[:3]).all()
         ]
         if missing:
-            raise ValueError(f"{listed(missing)} has not been measured yet: no reference before that")
+            raise ValueError(f"{listed(missing)} not measured yet: no reference until then")
         return seen
 
 

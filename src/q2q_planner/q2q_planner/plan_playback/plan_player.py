@@ -66,7 +66,8 @@ class PlanPlayer:
         """
         if wait and start >= 0.0:
             raise ValueError(
-                f"start {start:g} s with wait: a waiting plan starts when ~/start is called; give one of them"
+                f"start = {start:g} s and wait: a waiting plan starts when ~/start is called; give one of "
+                "them"
             )
         self._plan, self._params, self._wait = plan, params, wait
         self._at_first_tick = start < 0.0
@@ -148,7 +149,7 @@ class PlanPlayer:
     def hold(self) -> Reply:
         """Brake along what is played, if it does not brake already."""
         if self.played is None or self._last is None:
-            return Reply(granted=False, reason="nothing is played")
+            return Reply(granted=False, reason="nothing is playing")
         now = self._now()
         if not self.played.stops:
             braking = brake_plan(self.played.plan, now - self.played.start)
@@ -205,8 +206,8 @@ class PlanPlayer:
         far = np.linalg.norm(self._measured.known_poses()[:, :3] - self._last.pos, axis=1)
         for name, off in zip(self._plan.names, far.tolist(), strict=True):
             if off <= FLOWN_WITHIN:
-                state = f"{name} is {off:.2f} m from its reference: in flight it would drift"
-                return f"{state}; hold, or land it first; call wait_landed if it stands there"
+                state = f"{name} is {off:.2f} m from its reference and would drift in flight"
+                return f"{state}; hold or land it first, or call wait_landed if it stands there"
         return ""
 
     def _first(self) -> Array:

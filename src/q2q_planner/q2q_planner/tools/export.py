@@ -63,15 +63,15 @@ def check_upload_of(swarm: Sequence[VehicleWaypoints], folder: Path, others: Ite
         check_pieces(vehicle.name, len(vehicle.waypoints) - 1)
         path = upload_path(folder, vehicle.name)
         if path.resolve() in taken:
-            message = f"{path} is {vehicle.name}'s file of --upload"
+            message = f"--upload writes {path} for {vehicle.name}"
             raise ValueError(f"{message}: give the other output another name")
 
 
 def check_pieces(name: str, pieces: int) -> None:
     """Raise ValueError if a vehicle's memory does not hold that many pieces."""
     if pieces > MOST_PIECES:
-        given = f"{name}: {pieces} pieces; a Crazyflie's memory holds {MOST_PIECES}"
-        raise ValueError(f"{given}: give fewer waypoints (avoidance cuts what lies between two into several)")
+        given = f"{name}: {pieces} pieces; must be at most {MOST_PIECES}, a Crazyflie's memory"
+        raise ValueError(f"{given}: give fewer waypoints (avoidance splits a segment into several pieces)")
 
 
 def upload_path(folder: Path, name: str) -> Path:
@@ -91,7 +91,7 @@ def upload_rows(plan: SwarmPlan) -> dict[str, Array]:
 def _pieces_of(name: str, trajectory: Trajectory) -> Array:
     order = trajectory.coefficients.shape[-1]
     if order > UPLOAD_ORDER and trajectory.coefficients[..., UPLOAD_ORDER:].any():
-        raise ValueError(f"{name}: pieces of degree {order - 1}; Crazyswarm2 uploads at most degree 7")
+        raise ValueError(f"{name}: pieces of degree {order - 1}; must be at most 7 for Crazyswarm2")
     pieces = len(trajectory.durations)
     check_pieces(name, pieces)
     powers = np.zeros((pieces, AXES, UPLOAD_ORDER))

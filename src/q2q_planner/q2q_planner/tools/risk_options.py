@@ -23,11 +23,11 @@ def risk_params(asked: Namespace) -> RiskParams:
     tube_risk = 0.5 * asked.risk if asked.tube_risk is None else asked.tube_risk
     vehicle: Vehicle = asked.vehicle
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
-    words = f"{vehicle.name} has {spare:.2f} m/s^2 of thrust to spare"
+    words = f"{vehicle.name} has a thrust margin of {spare:.2f} m/s^2"
     if asked.hold is None and spare <= MANOEUVRES:
         raise ValueError(f"{words}: give --hold")
     if asked.hold is not None and asked.hold > spare:
-        raise ValueError(f"--hold {asked.hold:g}: {words}; give less than that, the plan needs some of it")
+        raise ValueError(f"--hold {asked.hold:g}: {words}; give less, as the plan needs some of it")
     hold = spare - MANOEUVRES if asked.hold is None else asked.hold
     horizontal, vertical = asked.tube
     touch = CONTACT if asked.touch is None else asked.touch

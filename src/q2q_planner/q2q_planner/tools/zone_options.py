@@ -43,7 +43,7 @@ def _check_partners(asked: Namespace) -> None:
         return
     _refuse(asked, ("tube", "tube_risk", "hold", "touch"), "needs --risk, whose zone it changes")
     if asked.cut is not None and not (asked.model and asked.threshold is None and asked.avoid):
-        needs = "needs --model, and neither --threshold, which it chooses, nor --no-avoid"
+        needs = "needs --model, without --threshold (which it chooses) and --no-avoid"
         raise ValueError(f"--cut {asked.cut} {needs}")
     if not asked.model:
         _refuse(asked, ("threshold",), "needs --model, the downwash that it applies to")
@@ -74,7 +74,7 @@ def _zone_of_size(asked: Namespace) -> tuple[Zone, str]:
     d = PAPER_ZONE.d if asked.d is None else asked.d
     for name, value in (("eps", eps), ("d", d)):
         if not 0.0 < value < LARGEST:
-            raise ValueError(f"--{name} = {value}: must be 0 to {LARGEST} m, both excluded")
+            raise ValueError(f"--{name} = {value}; must be above 0 and below {LARGEST} m")
     shape = Ellipsoid if asked.shape == "ellipsoid" else Cylinder
     return shape(eps, d), f"{asked.shape or 'cylinder'} eps {eps} m, d {d} m"
 

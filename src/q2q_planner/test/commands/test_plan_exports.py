@@ -68,7 +68,7 @@ def test_more_waypoints_than_a_crazyflie_holds_are_refused_before_the_search(
     monkeypatch.delattr("q2q_planner.tools.plan_swarm.make_plan")
     arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(tmp_path / "uploads")]
     assert main([str(path), *arguments]) == 1
-    assert "cf1: 32 pieces; a Crazyflie's memory holds 31" in capsys.readouterr().err
+    assert "cf1: 32 pieces; must be at most 31, a Crazyflie's memory" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -83,7 +83,7 @@ def test_a_plan_cut_into_more_pieces_than_a_crazyflie_holds_leaves_no_file(
     path.write_text(f"vehicles: {{cf1: [{rows[0]}], cf2: [{rows[1]}]}}")
     arguments = ["--out", str(tmp_path / "plan.json"), "--csv", str(tmp_path / "plan.csv")]
     assert main([str(path), *arguments, "--upload", str(tmp_path / "uploads")]) == 1
-    assert "cf1: 35 pieces; a Crazyflie's memory holds 31" in capsys.readouterr().err
+    assert "cf1: 35 pieces; must be at most 31, a Crazyflie's memory" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [path]
     assert main([str(path), *arguments]) == 0
 
@@ -95,5 +95,5 @@ def test_an_output_that_would_be_a_vehicle_s_upload_is_refused(
     uploads = tmp_path / "uploads"
     arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(uploads)]
     assert main([str(crossing), *arguments, option, str(uploads / "cf2.csv")]) == 1
-    assert f"{uploads / 'cf2.csv'} is cf2's file of --upload" in capsys.readouterr().err
+    assert f"--upload writes {uploads / 'cf2.csv'} for cf2" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [crossing]

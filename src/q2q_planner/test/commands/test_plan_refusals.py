@@ -28,7 +28,7 @@ def test_a_warm_start_of_other_vehicles_is_refused(
             [],
             "cf1, waypoint 1 and cf2, waypoint 1 lie 0.1 m inside",
         ),
-        (WRITTEN, ["--eps", "-1"], "--eps = -1.0: must be 0 to 5.0 m"),
+        (WRITTEN, ["--eps", "-1"], "--eps = -1.0; must be above 0 and below 5.0 m"),
         (WRITTEN, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
         (WRITTEN, ["--model", "measured_law", "--eps", "0.3"], "--eps and --model both choose the zone"),
         (
@@ -40,7 +40,7 @@ def test_a_warm_start_of_other_vehicles_is_refused(
         (
             WRITTEN,
             ["--no-avoid", "--model", "paper_law", "--cut", "0.9"],
-            "--cut 0.9 needs --model, and neither --threshold, which it chooses, nor --no-avoid",
+            "--cut 0.9 needs --model, without --threshold (which it chooses) and --no-avoid",
         ),
         (WRITTEN, ["--threshold", "1"], "needs --model"),
     ],
@@ -71,9 +71,7 @@ def test_a_warm_start_without_a_search_is_refused(
 ) -> None:
     out = tmp_path / "plan.json"
     words = refusal([str(crossing), "--no-avoid", "--warm-start", str(crossing), "--out", str(out)], capsys)
-    assert (
-        "--warm-start starts the search for a way around, which --no-avoid omits: give one of them" in words
-    )
+    assert "--warm-start starts the avoidance that --no-avoid omits: give one of them" in words
     assert not out.exists()
 
 
@@ -115,10 +113,10 @@ def test_an_absent_file_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize(
     ("option", "words"),
     [
-        (["--initial-guesses", "0"], "--initial-guesses = 0: must be 1 to 100"),
-        (["--speed", "0"], "--speed = 0.0: must be 0.01 to 50.0 m/s"),
-        (["--acceleration", "nan"], "--acceleration = nan: must be 0.01 to 100.0 m/s^2"),
-        (["--tilt", "20"], "--tilt = 20.0: must be 0.01 to 1.5 rad"),
+        (["--initial-guesses", "0"], "--initial-guesses = 0; must be in [1, 100]"),
+        (["--speed", "0"], "--speed = 0.0; must be in [0.01, 50.0] m/s"),
+        (["--acceleration", "nan"], "--acceleration = nan; must be in [0.01, 100.0] m/s^2"),
+        (["--tilt", "20"], "--tilt = 20.0; must be in [0.01, 1.5] rad"),
     ],
 )
 def test_a_number_out_of_bounds_names_its_option(

@@ -47,7 +47,7 @@ def test_a_plan_too_large_for_the_proof_is_said_to_be_that(
     monkeypatch.setattr(certificate, "MOST_STRETCHES", 1)
     assert main([str(crossing), "--no-avoid", "--out", str(tmp_path / "plan.json")]) == 0
     output = capsys.readouterr().out
-    assert "NOT proven: 3 pieces of 2 vehicles are 3 stretches of pairs, more than 1 (" in output
+    assert "NOT proven: 3 pieces of 2 vehicles have 3 stretches of pairs, more than 1 (" in output
 
 
 def test_a_hover_costs_nothing_and_is_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -113,4 +113,7 @@ def test_the_firmware_of_a_file_is_that_of_its_thrust(
     assert main([*asked, "--vehicle", "crazyflie_2_1"]) == 0
     path.write_text(f"firmware: none_such\n{HASTY}")
     assert main(asked) == 1
-    assert f"{path}: firmware 'none_such' of crazyflie_2_0: choose one of stock" in capsys.readouterr().err
+    assert (
+        f"{path}: unknown firmware 'none_such' of crazyflie_2_0; choose one of stock"
+        in capsys.readouterr().err
+    )

@@ -30,7 +30,7 @@ def test_the_zone_is_chosen_by_what_it_spares(
     )  # half of the downwash costs less than 88 % of it
     assert "avoids 5" in capsys.readouterr().out  # 50 to 60 %
     assert main([*asked, "1.5"]) == 1
-    assert "cut = 1.5: must be 0 to 1" in capsys.readouterr().err
+    assert "cut = 1.5; must be above 0 and below 1" in capsys.readouterr().err
     assert main([str(crossing), "--out", str(out), "--cut", "0.5"]) == 1
     assert "--cut 0.5 needs --model" in capsys.readouterr().err
 

@@ -34,5 +34,5 @@ def test_a_held_plan_is_certified_and_walls_and_thrust_are_heeded() -> None:
 
 
 def test_a_room_that_is_full_says_so() -> None:
-    with pytest.raises(CrowdedError, match="vehicles at rest leave no place for another"):
+    with pytest.raises(CrowdedError, match="vehicles at rest leave no room for another"):
         random_swap(4, Ellipsoid(5.0, 5.0), ROOM, np.random.default_rng(2))

@@ -148,7 +148,7 @@ def test_a_plan_with_too_many_stretches_says_so(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(certificate, "MOST_STRETCHES", stretches - 1)
     proof = certify(plan, ZONES[0])
     assert not proof.holds
-    words = f"of 4 vehicles are {stretches} stretches of pairs, more than {stretches - 1}"
+    words = f"of 4 vehicles have {stretches} stretches of pairs, more than {stretches - 1}"
     assert words in proof.not_computed
 
 

@@ -108,12 +108,12 @@ def test_a_dent_in_the_zone_does_not_pass(made: AvoidancePlan, tmp_path: Path) -
 
 def test_what_cannot_be_proven_is_taken_as_not_certified(made: AvoidancePlan, tmp_path: Path) -> None:
     bare = written(replace(made.plan, zone_profile=()), tmp_path / "bare.json")
-    with pytest.warns(UserWarning, match=r"bare\.json does not have its zone: it is taken as not certified"):
+    with pytest.warns(UserWarning, match=r"bare\.json has no zone: treated as not certified"):
         assert not load_plan(bare).certified
     older = tmp_path / "older.json"
     document = json.loads(bare.read_text())
     older.write_text(json.dumps({key: one for key, one in document.items() if key != "checksum"}))
-    with pytest.warns(UserWarning, match=r"older\.json has no checksum: it is taken as not certified"):
+    with pytest.warns(UserWarning, match=r"older\.json has no checksum: treated as not certified"):
         assert not load_plan(older).certified
 
 
@@ -132,7 +132,7 @@ def test_a_plan_whose_reference_jumps_is_refused(tmp_path: Path, *, certified: b
     plan = SwarmPlan(("cf1", "cf2"), (Trajectory(lengths, ends), Trajectory(lengths, ends[::-1])))
     assert certify(plan, ZONE).holds
     shown = as_certified(plan, zone_around(ZONE)) if certified else plan
-    with pytest.raises(ValueError, match=r"position of cf1 jumps by 1 m, allowed is 0.001 m; write one with"):
+    with pytest.raises(ValueError, match=r"position of cf1 jumps by 1 m, maximum 0.001 m; write one with"):
         load_plan(written(shown, tmp_path / "plan.json"))
     still = Trajectory(lengths, np.stack([ends[1], ends[1] + 1e-4]))
     assert load_plan(written(SwarmPlan(("cf1",), (still,)), tmp_path / "still.json")).names == ("cf1",)
@@ -162,9 +162,9 @@ def test_a_plan_whose_velocity_or_yaw_jumps_is_refused(tmp_path: Path, *, certif
 
     for plan in (from_rest(0.5, 0.0, 0.0), from_rest(0.5, 0.0, 2.0 * np.pi), from_rest(0.5, 0.0, -0.009)):
         assert read(plan).names == ("cf1",)
-    with pytest.raises(ValueError, match=r"velocity of cf1 jumps by 0.375 m/s, allowed is 0.01 m/s; write"):
+    with pytest.raises(ValueError, match=r"velocity of cf1 jumps by 0.375 m/s, maximum 0.01 m/s; write"):
         read(from_rest(0.5, 0.5, 0.0))  # 0.5 (2 t - t^2) at t = 1.5 s
-    with pytest.raises(ValueError, match=r"yaw of cf1 jumps by 3 rad, allowed is 0.01 rad; write one with"):
+    with pytest.raises(ValueError, match=r"yaw of cf1 jumps by 3 rad, maximum 0.01 rad; write one with"):
         read(from_rest(0.5, 0.0, -3.0))
     for first, last in ((0.2, 0.0), (0.0, 0.2)):  # at rest before and after
         ends = np.zeros((1, 4, 3))

@@ -58,7 +58,7 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
         VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)), Waypoint(5.6, (1, 0, 2))))
     ]
     with pytest.raises(
-        ValueError, match=r"cf1, after waypoint 1 .*N of thrust, crazyflie_2_0 has at most 0.439 N"
+        ValueError, match=r"cf1, after waypoint 1 .*N of thrust, but crazyflie_2_0 has at most 0.439 N"
     ):
         check_feasible(minimum_snap_plan(steep), steep, CRAZYFLIE_2_0)
     calm = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 2))))]
@@ -86,7 +86,7 @@ def test_a_turn_too_fast_names_vehicle_waypoint_and_rate() -> None:
     points = (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)), Waypoint(15, (1, 0, 1), yaw=90.0))
     wrong = [VehicleWaypoints("cf1", points)]
     with pytest.raises(
-        ValueError, match=r"cf1, after waypoint 1 \(t = 10.00 s\): turns at 13.5 rad/s, allowed is 3.5 rad/s"
+        ValueError, match=r"cf1, after waypoint 1 \(t = 10.00 s\): turns at 13.5 rad/s, maximum 3.5 rad/s"
     ):
         check_feasible(minimum_snap_plan(wrong), wrong, CRAZYFLIE_2_0)
     right = [VehicleWaypoints("cf1", (*points[:2], replace(points[2], yaw=np.pi / 2)))]
@@ -95,7 +95,7 @@ def test_a_turn_too_fast_names_vehicle_waypoint_and_rate() -> None:
 
 def test_a_hover_without_a_time_is_refused() -> None:
     points = [Waypoint(0.0, (0, 0, 1)), Waypoint(0.0, (1, 0, 1)), Waypoint(0.0, (1, 0, 1))]
-    with pytest.raises(ValueError, match="cf1, waypoint 2: pos and yaw are those of the one before it"):
+    with pytest.raises(ValueError, match="cf1, waypoint 2: pos and yaw equal those of the previous waypoint"):
         allocate_times("cf1", points, LIMITS)
 
 
@@ -153,7 +153,8 @@ def test_more_tilt_than_controllers_command_names_vehicle_waypoint_and_bound() -
     quick = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(0.95, (1, 0, 1))))]
     tilt = np.arctan(84.0 * np.sqrt(5.0) / 25.0 / 0.95**2 / GRAVITY)
     with pytest.raises(
-        ValueError, match=rf"cf1, after waypoint 0 .* tilts by {tilt:.3g} rad, controllers do by at most 0.35"
+        ValueError,
+        match=rf"cf1, after waypoint 0 .* tilts by {tilt:.3g} rad, but controllers by at most 0.35",
     ):
         check_feasible(minimum_snap_plan(quick), quick, CRAZYFLIE_2_1)
     slow = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(1.5, (1, 0, 1))))]

@@ -55,5 +55,5 @@ def test_a_plan_of_which_nothing_is_computed_is_not_said_to_be_inside(
 
 
 def test_a_zone_too_small_for_the_ways_is_named() -> None:
-    with pytest.raises(ValueError, match=r"too long for the radius of the zone: \d+ samples, allowed are"):
+    with pytest.raises(ValueError, match=r"too long for the radius of the zone: \d+ samples, maximum"):
         avoid_zones(circle(2), Cylinder(1e-5, 1.1))

@@ -88,7 +88,7 @@ def test_where_all_height_errors_are_harmless_no_share_is_stated() -> None:
     left, free = 1e3 * made.after.max(), 1e3 * made.before.max()
     assert left < 1.0 < free
     assert made.effect == (
-        f"leaves a predicted height error of at most {left:.2g} mm, of {free:.2g} mm without avoidance"
+        f"leaves a predicted height error of at most {left:.2g} mm ({free:.2g} mm without avoidance)"
     )
     alone = avoid_downwash(swarm[:1], LearnedDownwash(PAPER_LAW))
-    assert alone.effect == "leaves a predicted height error of at most 0 mm, of 0 mm without avoidance"
+    assert alone.effect == "leaves a predicted height error of at most 0 mm (0 mm without avoidance)"

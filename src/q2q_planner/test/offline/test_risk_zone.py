@@ -75,9 +75,9 @@ def test_strong_downwash_is_in_the_zone_of_weak_thrust_wherever_the_tubes_lead()
 def test_risks_that_cannot_be_kept_are_refused() -> None:
     with pytest.raises(ValueError, match=r"risk = 0.004: the tube alone is left with probability 0.004"):
         RiskParams(alpha=0.004, hold=2.0, tube=TUBE)
-    with pytest.raises(ValueError, match=r"hold = 0: must be 0 to 100, 0 excluded"):
+    with pytest.raises(ValueError, match=r"hold = 0; must be in \(0, 100\]"):
         RiskParams(alpha=0.01, hold=0.0, tube=TUBE)
-    with pytest.raises(ValueError, match=r"tube: vertical = -0.1: must be 0 to 2"):
+    with pytest.raises(ValueError, match=r"tube: vertical = -0.1; must be in \[0, 2\]"):
         RiskTube(0.1, -0.1, 0.005)
     with pytest.raises(ValueError, match=r"2.51 deviations of the residual without downwash are 0.50 m/s\^2"):
         largest_push(RiskParams(alpha=0.01, hold=0.3, tube=TUBE), RESIDUAL)
@@ -110,15 +110,18 @@ def test_a_plan_through_the_zone_has_no_risk_of_the_swarm(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--risk", "0.7", *TUBED], "risk = 0.7: must be 0 to 0.5"),
-        (["--risk", "nan", *TUBED], "tube: risk = nan: must be 0 to 0.5"),
+        (["--risk", "0.7", *TUBED], "risk = 0.7; must be in (0, 0.5]"),
+        (["--risk", "nan", *TUBED], "tube: risk = nan; must be in [0, 0.5]"),
         (
             ["--risk", "0.01", "--model", "measured_law", "--cut", "0.5"],
             "--cut and --risk both choose the zone",
         ),
         (["--risk", "0.01", "--tube-risk", "0.005"], "--risk 0.01 needs --tube"),
         (["--risk", "0.01", *TUBED, "--vehicle", "crazyflie_2_1", "--hold", "6.46"], "needs 0.44"),
-        (["--risk", "0.01", *TUBED, "--hold", "50"], "--hold 50: crazyflie_2_0 has 3.12 m/s^2 of thrust to"),
+        (
+            ["--risk", "0.01", *TUBED, "--hold", "50"],
+            "--hold 50: crazyflie_2_0 has a thrust margin of 3.12 m/s^2",
+        ),
         (["--risk", "0.01", *TUBED, "--eps", "0.5"], "--eps and --risk both choose the zone"),
         (["--tube", "0.1", "0.1"], "--tube needs --risk"),
         (["--touch", "0.3"], "--touch needs --risk"),

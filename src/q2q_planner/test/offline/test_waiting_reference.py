@@ -134,7 +134,7 @@ def test_the_reference_follows_a_clock_that_is_set_back() -> None:
 
 def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:
     player = PlanPlayer(PLAN, -1.0, TransitParams(), wait=True)
-    with pytest.raises(ValueError, match="cf2 has not been measured"):
+    with pytest.raises(ValueError, match="cf2 not measured yet"):
         player.update(MocapFrame(0.0, ("cf1",), GROUND[:1], np.array([[0.0, 0.0, 0.0, 1.0]])))
     assert player.transit().reason == "no vehicle has been measured yet"
 
@@ -155,8 +155,8 @@ def test_no_vehicle_in_flight_is_left_to_drift_by_a_wait(held: bool) -> None:
     refusal = rooms[0].player.wait()
     assert not refusal.granted
     assert refusal.reason == (
-        "cf1 is 0.03 m from its reference: in flight it would drift; "
-        "hold, or land it first; call wait_landed if it stands there"
+        "cf1 is 0.03 m from its reference and would drift in flight; "
+        "hold or land it first, or call wait_landed if it stands there"
     )
     for _ in range(50):
         waited, flown = (room.tick() for room in rooms)

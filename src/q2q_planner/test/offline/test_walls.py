@@ -143,11 +143,11 @@ def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> Non
         r".*, and apart without walls; move the walls outwards, or reduce the zone$",
     ):
         held((-1.5, -0.02, 0.5, 1.5, 0.02, 1.5))
-    with pytest.raises(InfeasibleError, match=r"cf1, waypoint 0 is 0.5 m beyond a wall: allowed is within"):
+    with pytest.raises(InfeasibleError, match=r"cf1, waypoint 0 is 0.5 m beyond a wall; must be within"):
         held((-0.5, -1.0, 0.5, 1.5, 1.0, 1.5))
-    with pytest.raises(InfeasibleError, match=r"cf1, waypoint 0 lies on a wall: allowed is within"):
+    with pytest.raises(InfeasibleError, match=r"cf1, waypoint 0 lies on a wall; must be within"):
         held((-1.0, -1.0, 0.5, 1.5, 1.0, 1.5))
-    with pytest.raises(ValueError, match="give finite numbers"):
+    with pytest.raises(ValueError, match="must be finite and in increasing order"):
         Walls((-1.0, -1.0, 0.0), (1.0, 1.0, float("inf")))
 
 
@@ -156,17 +156,17 @@ def test_a_plan_without_walls_is_searched_only_where_its_answer_is_said(
 ) -> None:
     monkeypatch.setattr(certificate, "MOST_STRETCHES", 1)
     monkeypatch.setattr(joint_plan, "_holds_without_walls", lambda *_: pytest.fail("searched"))
-    with pytest.raises(InfeasibleError, match="no pair is proven to be kept apart"):
+    with pytest.raises(InfeasibleError, match="no pair is proven to stay apart"):
         held(NARROW)
 
 
 @pytest.mark.parametrize(
     ("walls", "words"),
     [
-        ((1.0, 2.0), "has 2 numbers: give 6"),
-        ((1.0, 0.0, 0.0, 1.0, 1.0, 1.0), "the smallest first"),
-        ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "must be a finite number"),
-        ((0.0, 0.0, 0.0, 1.0, 1.0, float("inf")), "must be a finite number"),
+        ((1.0, 2.0), "has 2 numbers; must have 6"),
+        ((1.0, 0.0, 0.0, 1.0, 1.0, 1.0), "must be finite and in increasing order"),
+        ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "must be finite numbers"),
+        ((0.0, 0.0, 0.0, 1.0, 1.0, float("inf")), "must be finite numbers"),
     ],
 )
 def test_walls_that_are_no_box_are_refused(walls: tuple[float, ...], words: str) -> None:
@@ -195,4 +195,4 @@ def test_the_command_says_and_writes_the_proof(tmp_path: Path, capsys: pytest.Ca
     box[1] = "nan"
     with pytest.raises(SystemExit):
         main([*asked, "--within", *box])
-    assert "argument --within: nan: any finite number is allowed" in capsys.readouterr().err
+    assert "argument --within: nan; must be a finite number" in capsys.readouterr().err

@@ -11,7 +11,7 @@ HERE = (0.0, 0.0, 1.0)
 
 
 def test_a_waypoint_with_nan_names_vehicle_waypoint_and_coordinate() -> None:
-    with pytest.raises(ValueError, match=r"cf1, waypoint 1: y = nan, a finite number"):
+    with pytest.raises(ValueError, match=r"cf1, waypoint 1: y = nan; must be a finite number"):
         VehicleWaypoints("cf1", (Waypoint(0.0, HERE), Waypoint(1.0, (0.0, float("nan"), 1.0))))
 
 
@@ -24,7 +24,7 @@ def test_times_that_do_not_rise_are_refused(t: float, message: str) -> None:
 
 
 def test_one_waypoint_is_no_flight() -> None:
-    with pytest.raises(ValueError, match=r"cf1: 1 waypoint\(s\) given, at least 2"):
+    with pytest.raises(ValueError, match=r"cf1: 1 waypoint\(s\) given; must be at least 2"):
         VehicleWaypoints("cf1", (Waypoint(0.0, HERE),))
 
 
@@ -51,15 +51,15 @@ def test_a_document_becomes_the_waypoints_it_says() -> None:
     ("document", "message"),
     [
         (None, "the file: got None, expected a mapping with vehicles"),
-        ({"vehicles": {"cf1": 3}}, "the file: vehicles.cf1 = 3: a list of waypoints is expected"),
+        ({"vehicles": {"cf1": 3}}, "the file: vehicles.cf1 = 3; must be a list of waypoints"),
         ({"vehicles": {"cf1": [{"t": 0}]}}, "cf1, waypoint 0: pos is missing"),
         (
             {"vehicles": {"cf1": [{"t": 0, "pos": [1, 2]}]}},
-            r"waypoint 0: pos = \[1, 2\]: \[x, y, z\] in metres",
+            r"waypoint 0: pos = \[1, 2\]; must be \[x, y, z\] in metres",
         ),
         (
             {"vehicles": {"cf1": [{"t": "x", "pos": [1, 2, 3]}]}},
-            "cf1, waypoint 0: t = 'x': a number is expected",
+            "cf1, waypoint 0: t = 'x'; must be a number",
         ),
         (
             {"vehicles": {"cf1": [{"t": 0, "pos": [1, 2, 3], "yw": 0}]}},

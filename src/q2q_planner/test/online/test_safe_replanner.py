@@ -202,7 +202,9 @@ def test_a_vehicle_that_leaves_its_trajectory_or_is_lost_is_announced() -> None:
 
 
 def test_a_number_out_of_bounds_is_named() -> None:
-    with pytest.raises(ValueError, match=r"SafeReplannerParams.acc_max = 0.0: must be 0.1 to 50.0 m/s\^2"):
+    with pytest.raises(
+        ValueError, match=r"SafeReplannerParams.acc_max = 0.0; must be in \[0.1, 50.0\] m/s\^2"
+    ):
         SafeReplannerParams(acc_max=0.0)
 
 

@@ -29,7 +29,7 @@ def test_a_warning_is_reported_once_until_it_has_been_over_for_a_while() -> None
     ]
     assert {k: line for k, line in enumerate(lines) if line} == {
         100: "promise broken: cf2",
-        401 + round(100 * SETTLED_S): "setpoints have been sound for 10 s",
+        401 + round(100 * SETTLED_S): "setpoints have been good for 10 s",
     }
     assert warnings.update(setpoint(30.0, broken=True)) == "promise broken: cf2"
 
@@ -48,7 +48,9 @@ def test_a_clock_that_is_set_back_makes_no_time_of_sound_setpoints() -> None:
 def test_a_wrong_stamp_makes_no_time_of_sound_setpoints(off: float, broken: int, unsound: float) -> None:
     """Also if the last warning came under it; the steps to and from it count as `unsound` time [s]."""
     warnings, stamps = SetpointWarnings(), [2e6 + 0.01 * k + (off if k == 100 else 0.0) for k in range(1300)]
-    over = [k for k, t in enumerate(stamps) if "sound" in warnings.update(setpoint(t, broken=k == broken))]
+    over = [
+        k for k, t in enumerate(stamps) if "been good" in warnings.update(setpoint(t, broken=k == broken))
+    ]
     assert over == [pytest.approx(100 * (SETTLED_S + unsound), abs=1.0)]  # ticks
 
 

@@ -24,7 +24,7 @@ def test_without_a_wait_the_plan_starts_at_the_first_tick_or_at_its_stamp() -> N
 
 @pytest.mark.parametrize("start", [0.0, 50.0])
 def test_a_plan_with_a_stamp_does_not_wait_for_calls(start: float) -> None:
-    with pytest.raises(ValueError, match=rf"start {start:g} s with wait: .* give one of them"):
+    with pytest.raises(ValueError, match=rf"start = {start:g} s and wait: .* give one of them"):
         PlanPlayer(PLAN, start, TransitParams(), wait=True)
 
 

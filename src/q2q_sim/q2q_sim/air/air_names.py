@@ -55,7 +55,7 @@ def recorded_paths(name: str, flights: Sequence[str] = ()) -> list[Path]:
     given = name.partition(":")[2]
     if given:
         if not Path(given).exists():
-            raise AirError(f"air {name}: no {given}: give a bag, a table or a folder of them")
+            raise AirError(f"air {name}: no such file {given}: give a bag, a table or a folder of them")
         return [Path(given)]
     folder = flights_folder()
     paths = [folder / f"{flight}.parquet" for flight in flights]

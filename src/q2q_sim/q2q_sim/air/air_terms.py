@@ -44,9 +44,11 @@ class JetTerm:
         _check_knots("radii_m", self.radii_m)
         shape = (len(self.gaps_m), len(self.radii_m))
         if self.push_mps2.shape != shape:
-            raise ValueError(f"push_mps2 has the shape {self.push_mps2.shape}: gaps and radii need {shape}")
+            raise ValueError(
+                f"push_mps2 has the shape {self.push_mps2.shape}; must be {shape}, by gaps and radii"
+            )
         if not self.travel_speed_mps > 0.0:
-            raise ValueError(f"travel_speed_mps = {self.travel_speed_mps}: above 0 is allowed")
+            raise ValueError(f"travel_speed_mps = {self.travel_speed_mps}; must be above 0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +89,7 @@ class ResidualTerm:
     def __post_init__(self) -> None:
         """Check the recording."""
         if self.recording is not None and len(self.recording) < SHORTEST:
-            raise ValueError(f"recording has {len(self.recording)} samples: {SHORTEST} or more are needed")
+            raise ValueError(f"recording has {len(self.recording)} samples; must be at least {SHORTEST}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +116,7 @@ class GroundTerm:
     def __post_init__(self) -> None:
         """Check the height."""
         if not self.lowest_m > 0.0:
-            raise ValueError(f"lowest_m = {self.lowest_m}: above 0 is allowed")
+            raise ValueError(f"lowest_m = {self.lowest_m}; must be above 0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,4 +180,4 @@ class RateLoadTerm:
 
 def _check_knots(name: str, knots: Array) -> None:
     if knots.ndim != 1 or len(knots) < 2 or not (np.diff(knots) > 0.0).all() or knots[0] < 0.0:
-        raise ValueError(f"{name} = {knots}: two or more rising values, 0 or above, are needed")
+        raise ValueError(f"{name} = {knots}; must be two or more increasing values of at least 0")

@@ -58,8 +58,8 @@ class CheckedWake:
         if not allowed.all():
             row = int(np.argmin(allowed))
             raise AirError(
-                f"air {self._name}: {what} of vehicle {row} at {t:.3f} s is {given[row]}: "
-                f"finite numbers of at most {limit:g} are needed"
+                f"air {self._name}: {what} of vehicle {row} at {t:.3f} s is {given[row]}; must be finite and "
+                f"at most {limit:g} in magnitude"
             )
         return given
 

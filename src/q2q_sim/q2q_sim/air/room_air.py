@@ -98,6 +98,6 @@ def without_terms(air: RoomAir, terms: tuple[str, ...]) -> RoomAir:
     """
     for term in terms:
         if term not in TERMS:
-            raise AirError(f"unknown term {term!r} of an air: terms are {', '.join(TERMS)}")
+            raise AirError(f"unknown term {term!r} of an air; choose one of {', '.join(TERMS)}")
     kept = {name: None if name in terms else getattr(air, name) for name in TERMS}
     return RoomAir(**kept, flights=air.flights, digests=air.digests, intervals=air.intervals)

@@ -35,14 +35,14 @@ def check_term(name: str, term: Any) -> None:  # noqa: ANN401  any dataclass
         most = LARGEST if entry.name in ACCELERATIONS else np.inf
         within = np.isfinite(numbers) & (numbers >= low) & (np.abs(numbers) <= most)
         for wrong in numbers[~within][:1]:
-            up_to = "" if np.isinf(most) else f", of at most {most:.3g} in magnitude"
-            raise ValueError(f"{name}.{entry.name} has {wrong}: {allowed}{up_to}")
+            up_to = "" if np.isinf(most) else f", at most {most:.3g} in magnitude"
+            raise ValueError(f"{name}.{entry.name} has {wrong}; must be {allowed}{up_to}")
 
 
 def _bound(field: str) -> tuple[float, str]:
     """Return the smallest number allowed in a field, and what is allowed as text."""
     if field in ABOVE_ZERO:
-        return np.nextafter(0.0, 1.0), "a finite number above 0 is allowed"
+        return np.nextafter(0.0, 1.0), "finite and above 0"
     if field in NOT_NEGATIVE:
-        return 0.0, "a finite number, 0 or more, is allowed"
-    return -np.inf, "finite numbers are allowed"
+        return 0.0, "finite and at least 0"
+    return -np.inf, "finite"

@@ -64,8 +64,8 @@ def check_awaited(awaited: str, played: Iterable[str]) -> None:
     topics = {topic.strip("/") for topic in played}
     if awaited.strip("/") in topics:
         raise ValueError(
-            f"parameter wait_for = {awaited!r}: the bag has it and would answer itself; play only what your "
-            f"nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
+            f"parameter wait_for = {awaited!r}: the bag has it, so playback would answer itself; play only "
+            f"what your nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
         )
     if not played_tick_topics(topics, awaited):
         raise ValueError(f"parameter wait_for: ticks are messages on {TICK_TOPIC}, which is not played")

@@ -26,7 +26,7 @@ class SubscriberWait:
         """Return the line to log at the beginning."""
         silent = [topic for topic, count in self._matches.items() if not count]
         return (
-            f"begins; after {LONGEST_S:g} s no node is connected on {', '.join(silent)}"
+            f"starts: after {LONGEST_S:g} s no node is connected on {', '.join(silent)}"
             if silent
             else "begins"
         )

@@ -41,9 +41,9 @@ def _prepare(args: Namespace) -> Work:
     if args.case:
         _refuse_beside_case(args)
     elif not args.guided and "--bug-runs" in given_options(args):
-        raise UsageError("--bug-runs needs --guided, whose search it measures")
+        raise UsageError("--bug-runs needs --guided")
     if args.through_nodes > args.runs:
-        raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
+        raise ValueError(f"--through-nodes {args.through_nodes}; must be at most --runs {args.runs}")
     if args.guided and args.through_nodes:
         raise ValueError("--guided flies without nodes: leave out --through-nodes")
     if args.case and not args.case.is_file():

@@ -25,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     if not args.minutes >= SHORTEST:
-        raise ValueError(f"--minutes {args.minutes:g}: {SHORTEST:g} or more is allowed")
+        raise ValueError(f"--minutes {args.minutes:g}; must be at least {SHORTEST:g}")
     from q2q_sim.processes.fork_server import start_fork_server
 
     start_fork_server()  # it imports in parallel

@@ -33,7 +33,7 @@ def _prepare(args: Namespace) -> Work:
         raise UsageError("give either a bag or --score N")
     _check_partners(args)
     if args.orders < FEWEST_ORDERS or args.orders % 2:
-        raise ValueError(f"--orders {args.orders}: an even number of {FEWEST_ORDERS} or more is allowed")
+        raise ValueError(f"--orders {args.orders}; must be even and at least {FEWEST_ORDERS}")
     require_existing("bag", args.bag)
     for folder in filter(None, (args.out, args.json and args.json.parent)):
         folder.mkdir(parents=True, exist_ok=True)  # refused now, and not after minutes of flights

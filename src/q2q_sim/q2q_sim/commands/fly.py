@@ -79,8 +79,8 @@ def _check_replay(args: Namespace) -> None:
     ignored = [option for option in given_options(args) if option not in OF_A_REPLAY]
     if ignored:
         raise ValueError(
-            f"--real {args.real} and {', '.join(ignored)}: a replay has only the options --model and --json; "
-            "everything else is as it was recorded"
+            f"--real {args.real} and {', '.join(ignored)}: a replay takes only --model and --json; "
+            "everything else is as recorded"
         )
     flight_path(args.real)
 

@@ -68,9 +68,9 @@ def _prepare(after_dashes: list[str], args: Namespace) -> Work:
         raise UsageError("give either a program or --score FOLDER")
     _check_partners(args)
     if not all(0.0 < size < math.inf for size in args.room):
-        raise ValueError(f"--room {args.room}: sizes above 0 m are allowed")
+        raise ValueError(f"--room {args.room}; sizes must be above 0 m")
     if not 0.0 < args.limit <= 3000.0:
-        raise ValueError(f"--limit {args.limit}: above 0 to 3000 s is allowed")
+        raise ValueError(f"--limit {args.limit}; must be in (0, 3000] s")
     require_existing("file", args.crazyflies)
     require_existing("program", args.script)
     require_existing("folder", args.score)
@@ -83,11 +83,13 @@ def _check_partners(args: Namespace) -> None:
     """Raise UsageError for an option that would change nothing, with or without --score."""
     if not args.score:
         if args.only:
-            raise UsageError("--only needs --score, whose programs it names")
+            raise UsageError("--only needs --score")
         return
     for option in given_options(args):
         if option in OF_ONE:
-            raise UsageError(f"{option} is of one program, and --score judges a folder's: give one of them")
+            raise UsageError(
+                f"{option} applies to one program, but --score judges a folder: give one of them"
+            )
 
 
 def parser() -> CommandLine:

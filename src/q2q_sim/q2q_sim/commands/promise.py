@@ -29,9 +29,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     if not 0.0 < args.alpha < 1.0:
-        raise ValueError(f"--alpha {args.alpha:g}: above 0 and below 1 is allowed")
+        raise ValueError(f"--alpha {args.alpha:g}; must be above 0 and below 1")
     if "--alpha" in given_options(args) and not args.learn:
-        raise ValueError(f"--alpha {args.alpha:g} is of the tube that --learn FILE writes: give both")
+        raise ValueError(f"--alpha {args.alpha:g} applies to the tube that --learn FILE writes: give both")
     check_air(args.air)
     require_existing("tube", args.tube)
     from q2q_sim.experiments.promise.promise_flights import run

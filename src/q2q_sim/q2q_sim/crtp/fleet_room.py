@@ -59,7 +59,7 @@ class CrtpRoomParams:
         known = [one.last for one in DECKS]
         for deck in self.decks:
             if deck not in known:
-                raise ValueError(f"deck {deck!r}: choose one of {', '.join(known)}")
+                raise ValueError(f"unknown deck {deck!r}; choose one of {', '.join(known)}")
 
     @property
     def build(self) -> Build:

@@ -32,7 +32,7 @@ def opened_ports(names: Sequence[str], base_port: int) -> list[socket.socket]:
     """
     last = LAST_PORT + 1 - len(names)
     if base_port > last:
-        raise ValueError(f"port {base_port}: {len(names)} vehicles need a port each: 0 to {last} is allowed")
+        raise ValueError(f"port {base_port}; must be in [0, {last}] for {len(names)} vehicles")
     opened: list[socket.socket] = []
     try:
         for row, name in enumerate(names):

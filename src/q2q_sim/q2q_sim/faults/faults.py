@@ -78,17 +78,17 @@ class Fault:
     def __post_init__(self) -> None:
         """Check the values; raise an error with the value and what is allowed."""
         if isinstance(self.vehicles, str):
-            raise TypeError(f"fault {self.kind}: vehicles = {self.vehicles!r}: a list of names is allowed")
+            raise TypeError(f"fault {self.kind}: vehicles = {self.vehicles!r}; must be a list of names")
         object.__setattr__(self, "vehicles", tuple(self.vehicles))  # a list would have no hash
         if self.kind not in KINDS:
             raise ValueError(f"unknown fault {self.kind!r}; {name_hint(self.kind, KINDS)}")
         for name, value in (("start", self.start), ("duration", self.duration)):
             if not (isfinite(value) and value >= 0.0):
-                raise ValueError(f"fault {self.kind}: {name} = {value}: 0 s or more is allowed")
+                raise ValueError(f"fault {self.kind}: {name} = {value}; must be at least 0 s")
         kind = KINDS[self.kind]
         if not kind.low <= self.size <= kind.high:
-            bounds = f"{kind.low} to {kind.high} {kind.unit}".rstrip()
-            raise ValueError(f"fault {self.kind}: size = {self.size}: must be {bounds}")
+            bounds = f"in [{kind.low}, {kind.high}] {kind.unit}".rstrip()
+            raise ValueError(f"fault {self.kind}: size = {self.size}; must be {bounds}")
         if self.kind == "swap" and not len(self.vehicles) == len({*self.vehicles}) == 2:
             raise ValueError(
                 f"fault swap: vehicles = {list(self.vehicles)}: name exactly two different vehicles"
@@ -114,7 +114,7 @@ def check_vehicles(faults: Sequence[Fault], names: Names) -> None:
     for fault in faults:
         for name in fault.vehicles:
             if name not in names:
-                raise ValueError(f"fault {fault.kind}: no vehicle {name!r}; flying are {', '.join(names)}")
+                raise ValueError(f"fault {fault.kind}: no vehicle {name!r}; choose one of {', '.join(names)}")
 
 
 def check_sizes(faults: Sequence[Fault]) -> None:

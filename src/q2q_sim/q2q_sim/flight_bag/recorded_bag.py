@@ -92,7 +92,7 @@ class RecordedBag:
         for topic, count in self._lost.items():
             _say(f"lost {counted(count, 'message')} of {topic}: this machine is too busy")
         if self.is_full:
-            raise BagError(f"bag {self._writer.path} lacks what came after its disk took no more")
+            raise BagError(f"bag {self._writer.path} lacks the messages after its disk was full")
 
     def _store(self, topic: str, stamp_ns: int, data: bytes) -> None:
         self.received.add(topic)
@@ -101,7 +101,7 @@ class RecordedBag:
             self.health.missed += 1
             return
         if stamp_ns < 0:
-            self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; bags begin at 0 s; not recorded")
+            self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; must be at least 0 s; not recorded")
             return
         if topic in self._foreign:
             self._writer.add_topic(topic, self._foreign.pop(topic), self._offered(topic))

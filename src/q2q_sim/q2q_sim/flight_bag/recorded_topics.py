@@ -20,7 +20,7 @@ def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header
     """
     unknown = [topic for topic in topics if topic.removeprefix("/") not in TYPE_NAMES]
     if unknown:
-        raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")
+        raise ValueError(f"parameter topics: no {', '.join(unknown)}; choose from {', '.join(TYPE_NAMES)}")
     further = _further(extra)
     for topic, kind in further:
         definition_of(kind)
@@ -63,7 +63,7 @@ def silent_topics_note(asked: Collection[str], received: Collection[str]) -> str
     if received and not silent:
         return ""
     which = f"on {', '.join(silent)}" if silent else "on any topic"
-    return f"no message came {which}: do their nodes run, with these names and in this ROS_DOMAIN_ID?"
+    return f"no message came {which}: check that their nodes run, with these names and in this ROS_DOMAIN_ID"
 
 
 def _further(extra: Collection[str]) -> list[tuple[str, str]]:

@@ -67,7 +67,7 @@ def flown_faults(bag: Path) -> tuple[Fault, ...]:
             return from_plain(tuple[Fault, ...], parse_yaml(facts.faults), "faults")
         return _faults_of_scenario(facts, bag) if facts.scenario else ()
     except ValueError as error:
-        warnings.warn(f"bag {bag}: its faults are not known: {error}", stacklevel=2)
+        warnings.warn(f"bag {bag}: its faults are unknown: {error}", stacklevel=2)
         return ()
 
 

@@ -123,10 +123,10 @@ def _checked(given: Mapping[str, str]) -> Path:
         if not given[name]:
             raise ValueError(f"give {name}:=FILE")
         if not Path(given[name]).is_file():
-            raise ValueError(f"{name}:={given[name]}: there is no such file")
+            raise ValueError(f"{name}:={given[name]}: no such file")
     tracking = given.get("motion_capture", "")
     if tracking and not Path(tracking).is_file():
-        raise ValueError(f"motion_capture:={tracking}: there is no such file")
+        raise ValueError(f"motion_capture:={tracking}: no such file")
     load_plan(Path(given["plan"]))
     find_model(given["model"])
     vehicle_by_name(given["vehicle"] or DEFAULT_VEHICLE, given["firmware"] or STOCK)
@@ -191,4 +191,4 @@ def _whole(text: str, name: str) -> int:
     try:
         return int(text)
     except ValueError as wrong:
-        raise ValueError(f"{name}:={text}: a whole number is expected") from wrong
+        raise ValueError(f"{name}:={text}; must be an integer") from wrong

@@ -61,6 +61,6 @@ def score_programs(args: Namespace) -> int:
     if args.json:
         write_json(licence_score_json(found), args.json)
     errors = sum(not one.judged for one in found)
-    unjudged = f"; not judged, as the simulator failed: {errors}" if errors else ""
-    print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly{unjudged}")
+    unjudged = f"; not judged because the simulator failed: {errors}" if errors else ""
+    print(f"{sum(one.right for one in found)} of {len(found)} programs judged correctly{unjudged}")
     return 0 if all(one.right for one in found) else 1

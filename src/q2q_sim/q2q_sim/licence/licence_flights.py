@@ -108,7 +108,7 @@ def _fly(order: FlightOrder, options: LicenceOptions, until: float) -> FlownTria
     """Return a flight without faults; after `until` (monotonic [s]) one that fails for want of time."""
     for flown in fly_trials([order], options, until):
         return flown
-    what = "there is no time left to fly all vehicles that the program opens"
+    what = "no time is left to fly all vehicles that the program opens"
     return FlownTrial(order.trial, (BrokenRule("program", 0.0, what),), None, 0.0)
 
 

@@ -145,7 +145,7 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
 
 def _lead(found: Licence) -> str:
     if found.passed and not found.flew:
-        return "The program ran unmodified with emulated vehicles, of which none left the floor."
+        return "The program ran unmodified with emulated vehicles, none of which left the floor."
     flew = "The program flew emulated vehicles unmodified"
     if len(found.flights) == 1 and found.errors:
         return f"{flew}, without faults. The simulator failed, so it did not fly with faults."

@@ -103,7 +103,7 @@ def scored_programs(folder: Path, only: Sequence[str]) -> list[ScoredProgram]:
 def _check_names(folder: Path, known: Sequence[str], only: Sequence[str]) -> None:
     """Raise ValueError if there is no program, or none of a name in `only`."""
     if not known:
-        raise ValueError(f"--score {folder}: no program in it; needed are .py files in {' or '.join(KINDS)}")
+        raise ValueError(f"--score {folder}: no program in it; must have .py files in {' or '.join(KINDS)}")
     unknown = [f"{name} ({name_hint(name, known)})" for name in only if name not in known]
     if unknown:
         raise ValueError(f"--only: {folder} has no program {', '.join(unknown)}")

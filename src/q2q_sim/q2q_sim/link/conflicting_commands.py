@@ -45,7 +45,7 @@ def conflict_note(vehicles: Names, writers: Sequence[str]) -> str:
     """Return what to do about vehicles that two writers of `command` fly; empty for fewer writers."""
     if len(writers) < 2:
         return ""
-    what = f"command: two nodes fly {listed(vehicles)}: stop one, or give each `vehicles` of its own"
+    what = f"command: two nodes fly {listed(vehicles)}: stop one, or give each its own `vehicles`"
     return f"{what} ({listed(writers)} write it)"
 
 

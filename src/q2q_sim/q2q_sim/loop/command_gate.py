@@ -73,7 +73,7 @@ def _check_known(names: Names, known: Names) -> None:
     """Raise ValueError if a command names a vehicle that does not exist."""
     unknown = [] if names == known else [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"command for unknown vehicle {listed(unknown)}; flying are {listed(known)}")
+        raise ValueError(f"command for unknown vehicle {listed(unknown)}; the vehicles are {listed(known)}")
 
 
 def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:

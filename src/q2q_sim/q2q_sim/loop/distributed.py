@@ -42,10 +42,10 @@ class ExchangeParams:
     def __post_init__(self) -> None:
         """Check the bounds."""
         if self.delay < 0 or self.delay != int(self.delay) or not 0.0 <= self.loss <= 1.0:
-            words = "whole ticks, 0 or more, and 0 to 1 are allowed"
-            raise ValueError(f"delay {self.delay}, loss {self.loss:g}: {words}")
+            words = "must be whole ticks >= 0, and in [0, 1]"
+            raise ValueError(f"delay {self.delay}, loss {self.loss:g}; {words}")
         if not self.rate_hz > 0.0:
-            raise ValueError(f"rate_hz {self.rate_hz:g}: more than 0 is allowed")
+            raise ValueError(f"rate_hz {self.rate_hz:g}; must be above 0")
 
 
 class DistributedMpc:

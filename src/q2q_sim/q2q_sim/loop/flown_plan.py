@@ -19,7 +19,7 @@ def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:
         ValueError: it is for other vehicles, or begins elsewhere.
     """
     if not isinstance(given, SwarmPlan):
-        raise TypeError(f"plan = {given!r}: what q2q.plan returns is expected")
+        raise TypeError(f"plan = {given!r}; must be a result of q2q.plan")
     if wrong := difference(given.names, flown.names):
         raise ValueError(f"the plan {wrong}: the vehicles of the scenario are {listed(flown.names)}")
     rows = map(given.names.index, flown.names)
@@ -28,6 +28,6 @@ def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:
         far = dist(one.waypoints[0].pos, first)
         if not far <= START_NEAR:
             raise ValueError(
-                f"{one.name} starts {far:.2f} m from its plan's first point: {START_NEAR} m is the maximum"
+                f"{one.name} starts {far:.2f} m from its plan's first point (maximum {START_NEAR} m)"
             )
     return ordered

@@ -67,7 +67,7 @@ class Room:
             ValueError: a negative seed, or an air that cannot be flown in.
         """
         if seed < 0:
-            raise ValueError(f"seed = {seed}: 0 or above is allowed")
+            raise ValueError(f"seed = {seed}; must be at least 0")
         self.names: Names = scenario.names
         self.seed = seed
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
@@ -169,7 +169,7 @@ class Room:
         rows = index_of(names, self.names)
         if (rows < 0).any():
             unknown = listed([name for name in names if name not in self.names])
-            raise ValueError(f"command for {unknown}: no such vehicle; flying are {listed(self.names)}")
+            raise ValueError(f"command for {unknown}: no such vehicle; the vehicles are {listed(self.names)}")
         return rows
 
     def _check_finite(self, names: Names, values: Array) -> None:

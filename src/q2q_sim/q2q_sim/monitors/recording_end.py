@@ -17,7 +17,7 @@ def with_lost_ticks(verdict: FlightVerdict, flight: Flight, flown: int) -> Fligh
     lost = flown - len(flight.t)
     if lost <= 0:
         return verdict
-    words = f"{lost} of {flown} ticks, which the recording lacks"
+    words = f"{lost} of {flown} ticks missing from the recording"
     return replace(verdict, unjudged=(*verdict.unjudged, words))
 
 

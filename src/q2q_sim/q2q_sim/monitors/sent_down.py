@@ -53,9 +53,7 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
         for words, at in sorted(first.items(), key=lambda one: one[1])[:1]:
             yield Finding(at, f"{words} at {at - begin:.1f} s")
         if reaches_end and not first and not never and (since := _unmeasured_since(t, commands)) is not None:
-            yield Finding(
-                since, f"{name} was flown without measurements from {since - begin:.1f} s to the end"
-            )
+            yield Finding(since, f"{name} flew without measurements from {since - begin:.1f} s to the end")
 
 
 def _is_never_measured(status: Array) -> bool:

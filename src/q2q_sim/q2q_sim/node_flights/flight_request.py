@@ -53,7 +53,7 @@ class FlightRequest:
         if self.distributed and self.controller != "mpc":
             raise ValueError(f"distributed with controller = {self.controller!r}: give controller = 'mpc'")
         if PREDICTIONS in self.record and not self.distributed:
-            raise ValueError(f"record {PREDICTIONS} of a flight that is not distributed: record other topics")
+            raise ValueError(f"record {PREDICTIONS}: the flight is not distributed; record other topics")
         check_wake_or_air(self.wake, self.air)
 
     @property

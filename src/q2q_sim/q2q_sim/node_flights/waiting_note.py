@@ -12,7 +12,7 @@ AGAIN_S = 30.0
 """Period of the notes after it [s]."""
 SHOWN = 3
 """Missing connections that a note names."""
-LOADING = "waiting for the code of the nodes, which is being loaded"
+LOADING = "waiting for the code of the nodes to load"
 """Note before nodes can be asked."""
 
 

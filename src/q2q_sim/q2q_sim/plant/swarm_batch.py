@@ -138,8 +138,8 @@ class SwarmBatch:
         seeds = setup.seeds or range(swarms)
         if swarms * count == 0 or len(seeds) != swarms or threads < 1:
             raise ValueError(
-                f"{swarms} swarms of {count} vehicles with {len(seeds)} seeds on {threads} threads: "
-                "a seed for each swarm, and one or more of all are needed"
+                f"{swarms} swarms of {count} vehicles with {len(seeds)} seeds on {threads} threads; must be "
+                "a seed for each swarm, and at least one of each"
             )
         step = 1.0 / PHYSICS_RATE
         self.body = body_of_room(setup.air, setup.vehicle, step)
@@ -169,8 +169,8 @@ class SwarmBatch:
         vehicles = self.state.shape[:2]
         if commands.shape[1:] != (*vehicles, 4) or drive.shape != (*vehicles, 7):
             raise ValueError(
-                f"commands {commands.shape} and drive {drive.shape} for (swarms, vehicles) = {vehicles}: "
-                "(steps, swarms, vehicles, 4) and (swarms, vehicles, 7) are needed"
+                f"commands {commands.shape} and drive {drive.shape} for (swarms, vehicles) = {vehicles}; "
+                "must be (steps, swarms, vehicles, 4) and (swarms, vehicles, 7)"
             )
         count = vehicles[0] * vehicles[1]
         flat = (commands.reshape(len(commands), count, 4), drive.reshape(count, 7))
@@ -205,8 +205,8 @@ def _check_air(air: object) -> None:
     """Raise TypeError for an air outside the compiled loop."""
     if not isinstance(air, WakeLaw | RoomAir):
         raise TypeError(
-            f"air = {air!r}: a batch steps a WakeLaw or a RoomAir; take that of a name from find_air, and "
-            "step a class of your own with Swarm"
+            f"air = {air!r}; must be a WakeLaw or a RoomAir: find_air returns that of a name; step your own "
+            "class with Swarm"
         )
 
 

@@ -22,7 +22,7 @@ def even_times(t: Array, rate: float) -> Array:
         at = int(np.argmax(np.diff(t)))
         raise ValueError(
             f"the stamps span {span:.6g} s, with a gap of {t[at + 1] - t[at]:.6g} s after {t[at]:.6g} s: "
-            f"at most {MOST_SAMPLES / rate:.6g} s are replayed (replay_page replays a part: --start, --end)"
+            f"must be at most {MOST_SAMPLES / rate:.6g} s: replay a part (replay_page --start, --end)"
         )
     count = int(span * rate + 1e-6) + 1  # the last stamp too, if rounded
     return np.asarray(t[0] + np.arange(count) / rate)

@@ -43,7 +43,7 @@ def replay_element(runs: Sequence[ReplayRun]) -> str:
         ValueError: no run, too many, or runs too long for a page.
     """
     if not 1 <= len(runs) <= MOST_RUNS:
-        raise ValueError(f"{len(runs)} runs: 1 to {MOST_RUNS} are replayed side by side")
+        raise ValueError(f"{len(runs)} runs; must be 1 to {MOST_RUNS} side by side")
     for rate in RATES_HZ:
         element = _element([packed_run(run, rate) for run in runs])
         if len(element) <= MOST_BYTES:

@@ -71,7 +71,7 @@ def enclaves(
     """
     taken = sorted({"stack", *(node.executable for node in nodes)} & set(operators))
     if taken:
-        raise ValueError(f"operators {', '.join(taken)}: nodes have these enclaves; choose other names")
+        raise ValueError(f"operators {', '.join(taken)}: these are enclaves of nodes; choose other names")
     secured = [node for node in nodes if node.executable not in LEFT_OUT]
     profiles = {node.executable: profile_of(node, vehicles or ("*",)) for node in secured}
     within = (_of_any_node("stack"), *(profiles[name] for name in CONTROL_LOOP))

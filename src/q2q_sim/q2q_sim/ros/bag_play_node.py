@@ -123,7 +123,7 @@ class Player:
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if self._begun:
-            over = "the playback is over: start the node again for another one"
+            over = "the playback is over: restart the node for another one"
             response.message = over if self._ended else "already playing"
             return response
         self._begin()
@@ -154,7 +154,7 @@ class Player:
         pause, self._beat = now - self._beat, now
         if pause > PAUSE_S and self._messages.next is not None:
             self._playback = self._playback.after_pause(pause)
-            self._node.get_logger().info(f"stood still for {pause:.1f} s: goes on where it was")
+            self._node.get_logger().info(f"stood still for {pause:.1f} s: continues where it was")
         while (message := self._messages.next) is not None and self._playback.due(message.stamp_ns) <= now:
             self._play_next(message)
 
@@ -179,7 +179,7 @@ class Player:
             self._writers[message.topic].publish(message.data)
         if again:
             unanswered = f"no answer on {self._params.wait_for} to the last tick"
-            report = f"{unanswered}: does the node run that writes it?"
+            report = f"{unanswered}: check that the node that writes it runs"
             self._health.doubts[ANSWER] = report
             self._node.get_logger().warning(report, once=True)
             if self._tick_messages.is_over and not self._params.loop:  # its other messages may be cut off

@@ -108,7 +108,7 @@ class Recorder:
             if refused.last_policy_kind == QoSPolicyKind.DURABILITY:
                 take_anew(RECORD)
                 return
-            node.get_logger().info(f"{whole} is sent best effort, and recorded so")
+            node.get_logger().info(f"{whole} is sent best effort and recorded that way")
             take_anew(RECORD_BEST_EFFORT)
 
         events = SubscriptionEventCallbacks(

@@ -72,7 +72,7 @@ class StackParams:
         if len(set(self.nodes)) < len(self.nodes):
             raise ValueError(f"parameter nodes: {', '.join(self.nodes)}; give each node once")
         if {"pid", "mpc"} <= set(self.nodes):
-            raise ValueError("parameter nodes: pid and mpc; choose one of them, as both write command")
+            raise ValueError("parameter nodes: pid and mpc; choose one, as both write command")
 
 
 def build() -> dict[Node, object]:

@@ -76,14 +76,14 @@ def _value(value: object, default: object, where: str) -> ParameterValue:
         return _number(value, where)
     if isinstance(value, bool | int | str) and type(value) is type(default):
         return value
-    raise ValueError(f"{where} = {shown_value(value)}: a {type(default).__name__} is expected")
+    raise ValueError(f"{where} = {shown_value(value)}; must be a {type(default).__name__}")
 
 
 def _number(value: object, where: str) -> float:
     value = without_numpy(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{where} = {shown_value(value)}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
+        raise ValueError(f"{where} = {shown_value(value)}; must be a number")  # noqa: TRY004  a bad document, not a bad call
     try:
         return float(value)
     except OverflowError as error:  # an integer beyond 1e308
-        raise ValueError(f"{where} = {shown_value(value)}: a finite number is expected") from error
+        raise ValueError(f"{where} = {shown_value(value)}; must be a finite number") from error

@@ -68,12 +68,12 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check the values that no part checks itself; raise ValueError with what is allowed."""
         if not (isfinite(self.duration) and SHORTEST <= self.duration <= LONGEST):
-            raise ValueError(f"duration = {self.duration}: {SHORTEST} to {LONGEST} s is allowed")
+            raise ValueError(f"duration = {self.duration}; must be in [{SHORTEST}, {LONGEST}] s")
         wake_by_name(self.wake)
         if self.air:
             check_air(self.air)
         elif self.air_without:
-            raise ValueError(f"air_without = {', '.join(self.air_without)}: name an air too")
+            raise ValueError(f"air_without = {', '.join(self.air_without)}: also name an air")
         _check_latency(self)
         check_vehicles(self.faults, self.names)
         check_overrides(self.overrides)
@@ -92,12 +92,14 @@ def _check_waypoints(scenario: Scenario) -> None:
         for k, waypoint in enumerate(vehicle.waypoints):
             where = f"{vehicle.name}, waypoint {k}"
             if waypoint.pos[2] < -GROUND_ROUNDING:
-                raise ValueError(f"{where}: z = {waypoint.pos[2]} m: z is up, and the ground is at 0")
+                raise ValueError(
+                    f"{where}: z = {waypoint.pos[2]} m; must be at least 0 (z is up, the ground at 0)"
+                )
             axis, value = max(zip("xyz", waypoint.pos, strict=True), key=lambda one: abs(one[1]))
             if abs(value) > pos_max:
                 raise ValueError(
-                    f"{where}: {axis} = {value:g} m: mocap_filter accepts up to {pos_max:g} m: give metres, "
-                    "or set overrides.mocap_filter.pos_max"
+                    f"{where}: {axis} = {value:g} m; must be within {pos_max:g} m for mocap_filter: give "
+                    "metres, or set overrides.mocap_filter.pos_max"
                 )
 
 

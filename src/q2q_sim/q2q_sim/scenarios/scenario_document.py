@@ -73,7 +73,7 @@ class _Document:
 
 def no_plan_file(named: str) -> SwarmPlan:
     """Raise ValueError: a document without a file has no plan next to it."""
-    raise ValueError(f"plan = {named!r}: only the file of a scenario names a plan, which lies next to it")
+    raise ValueError(f"plan = {named!r}: only a scenario file can name a plan, which lies next to it")
 
 
 def scenario_from_document(
@@ -122,7 +122,7 @@ def scenario_from_document(
 def _description(given: object) -> str:
     """Return a description: a number or a date in YAML is one, and a key without a value is empty."""
     if given is not None and not isinstance(given, str | int | float | date):
-        raise ValueError(f"description = {shown_value(given)}: text is expected")
+        raise ValueError(f"description = {shown_value(given)}; must be text")
     return "" if given is None else str(given)
 
 

@@ -35,7 +35,7 @@ def swarm_size(name: str) -> int | None:
     swarm = SWARM.fullmatch(name)
     count = int(swarm[1]) if swarm else None
     if count is not None and not 1 <= count <= MOST:
-        raise ValueError(f"swarm{count}: 1 to {MOST} vehicles are allowed")
+        raise ValueError(f"swarm{count}; must have 1 to {MOST} vehicles")
     return count
 
 

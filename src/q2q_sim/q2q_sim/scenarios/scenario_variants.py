@@ -55,8 +55,8 @@ def in_another_air(scenario: Scenario) -> Scenario:
     refused = [name for name in _differing(flown, scenario) if name in changed and name in replaced]
     if refused:
         raise ValueError(
-            f"scenario {scenario.name}: {', '.join(refused)} changed, which its `in_air` replaces in another "
-            "air: name the air first, and change the scenario in that air"
+            f"scenario {scenario.name}: {', '.join(refused)} changed, but `in_air` replaces them in another "
+            "air: name the air first, then change the scenario"
         )
     return replace(flown, **changed)
 

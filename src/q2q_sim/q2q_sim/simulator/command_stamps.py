@@ -29,4 +29,6 @@ class CommandStamps:
         if self._first_foreign is None:
             return ""
         command, frame = (f"{1e-9 * stamp_ns:.3f} s" for stamp_ns in self._first_foreign)
-        return f"command: one is stamped {command}, the frame {frame}: stamp each with its frame's stamp"
+        return (
+            f"command: a command is stamped {command}, its frame {frame}: stamp each with its frame's stamp"
+        )

@@ -94,7 +94,7 @@ def timing_from_text(text: str) -> FlightTiming:
     try:
         plain = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ValueError("it is not JSON") from error
+        raise ValueError("not JSON") from error
     return from_plain(FlightTiming, plain, "")
 
 

@@ -28,8 +28,8 @@ from q2q_sim.simulator.simulator_params import SimulatorParams
 STALL_CHECK_S = 0.05
 """Period of the check for stalled ticks in lockstep [s]."""
 _LOCKED = (
-    "motors locked by 2 s without a command, or from the start, until one has no thrust: start the simulator "
-    'with -p starts_after:="[mocap_filter, pid]", the nodes that it is to wait for, or with autostart:=false '
+    "motors locked (at the start, or after 2 s without a command) until a command has no thrust: start the "
+    'simulator with -p starts_after:="[mocap_filter, pid]", the nodes to wait for, or with autostart:=false '
     "and call ~/start"
 )
 
@@ -63,8 +63,8 @@ class RoomFlight:
         self._stamps = CommandStamps(exact=self._lockstep)
         self._resend = ResendTimer(params.resend_period_s, params.command_timeout_s)
         self._give_up_warning = (
-            f"no command in {params.command_timeout_s:g} s (`command_timeout_s`): the vehicles fly on "
-            f"without, a tick every {params.resend_period_s:g} s"
+            f"no command in {params.command_timeout_s:g} s (`command_timeout_s`): the vehicles fly without "
+            f"one, a tick every {params.resend_period_s:g} s"
         )
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
@@ -85,7 +85,7 @@ class RoomFlight:
     def refusal(self) -> str:
         """Return why the flight cannot start; empty if it can."""
         if self._is_over:
-            return "the flight is over: start the node again for another one"
+            return "the flight is over: restart the node for another one"
         return "already flying" if self.is_flying else ""
 
     @property
@@ -105,7 +105,7 @@ class RoomFlight:
         """Return what a stalled tick in lockstep waits for; empty if none does, or stamps are the cause."""
         if not self._is_stalled or self.misstamped:
             return ""
-        return f"command of {listed(self._gate.missing())} not received: is a controller running?"
+        return f"command of {listed(self._gate.missing())} not received: check that a controller runs"
 
     @property
     def _is_stalled(self) -> bool:

@@ -27,7 +27,7 @@ NEEDS = (
     "pitch_rad, yaw_rad, and /reference xref, yref, zref"
 )
 UNITLESS = (
-    "the unit of roll, pitch, yaw is not known: a column map (--columns) makes them the attitude, such as "
+    "the unit of roll, pitch, yaw is not known: a column map (--columns) makes them the attitude, like "
     "roll_rad: {from: roll, scale: 0.0174533}; 1 for radians, 0.0174533 for degrees, -0.0174533 for the "
     "firmware's pitch, which is nose up"
 )
@@ -43,7 +43,7 @@ def run(args: Namespace) -> int:
     for topic, count in counts.items():
         print(f"  {topic}: {counted(count, 'message')}")
     if lone := [name for name in log_of(table).columns if name in CARRIED]:
-        print(f"  in /log, for lack of other columns: {', '.join(lone)}; {NEEDS}")
+        print(f"  in /log, as other columns are missing: {', '.join(lone)}; {NEEDS}")
     if set(ANGLES) <= set(lone):
         print(f"  {UNITLESS}")
     unseen = table.gap | ~np.isfinite(table.vectors(POS)).all(axis=-1)
@@ -64,7 +64,8 @@ def _print_vehicles(columns: Mapping[str, Array], ticks: int, out: Path) -> None
     lost = [name for name in columns if name != "t" and not name.startswith(tuple(prefixes.values()))]
     if lost:
         print(
-            f"  left out, as of no vehicle: {', '.join(name or 'a column without a name' for name in lost)}"
+            "  left out, as they belong to no vehicle: "
+            f"{', '.join(name or 'a column without a name' for name in lost)}"
         )
 
 

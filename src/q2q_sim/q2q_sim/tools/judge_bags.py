@@ -64,9 +64,7 @@ def run(args: Namespace) -> int:
         for bag, one in found.items():
             print("\n".join(f"{bag}: {line}" for line in one.lines()))
     for bag, lacking in ((bag, one.unjudged) for bag, one in found.items() if one.unjudged):
-        print(
-            f"policies: {bag}: not judged, as it has nothing of them: {', '.join(lacking)}", file=sys.stderr
-        )
+        print(f"policies: {bag}: not judged, as not recorded: {', '.join(lacking)}", file=sys.stderr)
     if any(one.violations for one in found.values()):
         return VIOLATED
     return NOT_JUDGED if any(one.is_empty for one in found.values()) else 0

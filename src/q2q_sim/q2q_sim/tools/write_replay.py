@@ -30,7 +30,7 @@ from q2q_sim.tools.distinct_names import distinct_names
 def run(args: Namespace) -> int:
     """Write the page of the named flights; return the exit status."""
     if len(args.flights) > MOST_RUNS:
-        raise ValueError(f"{len(args.flights)} flights: at most {MOST_RUNS} are replayed side by side")
+        raise ValueError(f"{len(args.flights)} flights; must be at most {MOST_RUNS} side by side")
     topics, names = topic_map(args.topics), distinct_names(args.flights)
     runs = [_run_of(path, name, args, topics) for path, name in zip(args.flights, names, strict=True)]
     html = replay_html(runs, args.title or " and ".join(one.name for one in runs))

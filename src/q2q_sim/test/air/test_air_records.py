@@ -86,7 +86,7 @@ def test_a_flight_without_any_thrust_is_left_out_with_the_column_that_it_lacks(f
     records, notes = air_records([Recording(flight, log)], CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
     assert not records
     assert notes[-1] == (
-        "pair has no thrust, which a jet is in proportion to: record command, or thrust_est beside faz_est"
+        "pair has no thrust, to which a jet is proportional: record command, or thrust_est beside faz_est"
     )
 
 

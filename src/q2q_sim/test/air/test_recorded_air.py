@@ -102,7 +102,9 @@ def test_a_flight_without_a_pair_is_refused(tmp_path: Path) -> None:
     write_flight(tmp_path / "pair.csv", np.zeros(UNDER))
     table = (tmp_path / "pair.csv").read_text().splitlines()
     (tmp_path / "apart.csv").write_text("\n".join(table[: 1 + APART]) + "\n")
-    with pytest.raises(AirError, match=r"apart.csv: 0 samples .* under another vehicle: 300 or more"):
+    with pytest.raises(
+        AirError, match=r"apart.csv: 0 samples .* under another vehicle; must be at least 300"
+    ):
         find_air(f"recorded:{tmp_path / 'apart.csv'}")
 
 

@@ -22,4 +22,4 @@ def test_matches_at_the_first_look_are_waited_for_too() -> None:
 def test_a_topic_that_nobody_reads_is_waited_for_four_seconds() -> None:
     wait = SubscriberWait(10.0)
     assert begun(wait, (10.05, 1, 0), (13.95, 1, 0), (14.0, 1, 0)) == [False, False, True]
-    assert wait.note() == "begins; after 4 s no node is connected on /state"
+    assert wait.note() == "starts: after 4 s no node is connected on /state"

@@ -31,7 +31,7 @@ def test_a_vehicle_that_is_flown_without_measurements_to_the_end_is_reported() -
     status[T >= 8.995, 1] = CommandStatus.LEVEL
     assert output(flown(status=status)) == "ok: 10.0 s flown to the end"
     status[T >= 9.495, 1] = CommandStatus.LAND
-    assert output(flown(status=status)) == "cf2 was flown without measurements from 9.0 s to the end"
+    assert output(flown(status=status)) == "cf2 flew without measurements from 9.0 s to the end"
     status[T < 8.995, 1] = CommandStatus.LEVEL
     status[T >= 9.495, 1] = CommandStatus.LEVEL
     assert output(flown(status=status)) == "cf2 was never measured"

@@ -66,8 +66,8 @@ def test_a_column_map_names_only_columns_that_are_there(
     (tmp_path / "cf1_00").write_bytes(log_of_a_line())
     (tmp_path / "map.yaml").write_text("columns: {vx: stateEstimate.vx_typo, y: xx}")
     for file, message in (
-        ("flight.csv", "vx of the column map: there is no stateEstimate.vx_typo; choose one of cf1_x, cf1_y"),
-        ("cf1_00", "there is no stateEstimate.vx_typo; did you mean stateEstimate."),
+        ("flight.csv", "vx of the column map: no column stateEstimate.vx_typo; choose one of cf1_x, cf1_y"),
+        ("cf1_00", "no column stateEstimate.vx_typo; did you mean stateEstimate."),
     ):
         given = [str(tmp_path / file), "--columns", str(tmp_path / "map.yaml")]
         assert main([*given, "--out", str(tmp_path / "bag")]) == 1

@@ -52,17 +52,17 @@ def test_a_lone_vehicle_has_plain_columns_and_nothing_where_nothing_is_logged() 
         ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
         (
             {name: values[:0] for name, values in table_columns().items()},
-            "has 0 rows; a flight has 2 or more",
+            "has 0 rows; must be at least 2",
         ),
-        ({name: values[:1] for name, values in table_columns().items()}, "has 1 row; a flight has 2 or more"),
-        ({"t": 10.0 * np.arange(40)}, r"t steps by 10, 0\.5 s is the maximum: is it in seconds\?"),
+        ({name: values[:1] for name, values in table_columns().items()}, "has 1 row; must be at least 2"),
+        ({"t": 10.0 * np.arange(40)}, r"t steps by 10 s \(maximum 0\.5 s\): check that it is in seconds"),
         (
             {"t": 2.0**31 + np.arange(40) * 0.01},
-            r"t ends at 2147483648 s, and stamps are below 2147397248 s \(32 bits\): subtract the first t",
+            r"t ends at 2147483648 s, but stamps must be below 2147397248 s \(32 bits\): subtract the first",
         ),
-        ({"t": np.append(np.arange(39) * 0.01, np.inf)}, "t ends at inf s, and stamps are below"),
-        ({"cf50_z": np.full(40, 1000.0)}, "x, y, z of cf50 reach 1000 in the median, 50 m is the maximum"),
-        ({"cf50_zref": np.full(40, 1000.0)}, "x, y, z of the reference of cf50 reach 1000 in the median"),
+        ({"t": np.append(np.arange(39) * 0.01, np.inf)}, "t ends at inf s, but stamps must be below"),
+        ({"cf50_z": np.full(40, 1000.0)}, r"x, y, z of cf50 reach 1000 m in the median \(maximum 50 m\)"),
+        ({"cf50_zref": np.full(40, 1000.0)}, "x, y, z of the reference of cf50 reach 1000 m in the median"),
         ({"cf50_x": None, "cf51_x": None}, "neither x, y, z nor <vehicle>_x, _y, _z"),
     ],
 )
@@ -108,7 +108,7 @@ def test_a_vector_without_all_three_axes_is_no_vehicle(
     assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
     out = capsys.readouterr().out
     assert "40 ticks of cf1 (cf1_x, cf1_y, cf1_z)" in out
-    assert "left out, as of no vehicle: wind_x, wind_y" in out
+    assert "left out, as they belong to no vehicle: wind_x, wind_y" in out
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,9 @@ def test_a_table_of_one_vehicle_or_of_several_is_refused(columns: dict[str, Arra
 
 def test_positions_of_a_vehicle_whose_name_has_a_space_are_refused_with_that_name() -> None:
     columns = {"t": np.arange(5) * 0.01} | {f"Drone A_{axis}": np.zeros(5) for axis in "xyz"}
-    with pytest.raises(ValueError, match=r"vehicle 'Drone A': a name is a letter, .*: rename its columns"):
+    with pytest.raises(
+        ValueError, match=r"vehicle 'Drone A': a name must be a letter .*: rename its columns"
+    ):
         flight_table(columns)
 
 
@@ -136,4 +138,4 @@ def test_a_column_without_a_name_is_listed_as_such(
     table = tmp_path / "indexed.csv"  # as pandas writes it with its index
     table.write_text(",t,cf1_x,cf1_y,cf1_z\n0,0.0,0,0,1\n1,0.1,0,0,1\n")
     assert main([str(table), "--out", str(tmp_path / "bag")]) == 0
-    assert "left out, as of no vehicle: a column without a name\n" in capsys.readouterr().out
+    assert "left out, as they belong to no vehicle: a column without a name\n" in capsys.readouterr().out

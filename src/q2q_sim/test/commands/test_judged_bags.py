@@ -86,4 +86,4 @@ def test_policies_of_which_a_bag_has_nothing_are_named_and_positions_are_the_fil
     assert tool.main([str(tmp_path / "bag"), "--scenario", "stack3"]) == status
     texts = capsys.readouterr()
     assert said[0] in texts.out
-    assert texts.err.strip().endswith(f"has nothing of them: {said[1]}")
+    assert texts.err.strip().endswith(f"as not recorded: {said[1]}")

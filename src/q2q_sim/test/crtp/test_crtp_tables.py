@@ -160,7 +160,7 @@ def test_decks_of_the_build_are_reported_as_attached() -> None:
 
 
 def test_a_deck_that_no_firmware_knows_is_refused_with_those_it_knows() -> None:
-    with pytest.raises(ValueError, match=r"deck 'flow': choose one of bcAI, .*bcFlow2"):
+    with pytest.raises(ValueError, match=r"unknown deck 'flow'; choose one of bcAI, .*bcFlow2"):
         CrtpRoomParams(decks=("flow",))
 
 

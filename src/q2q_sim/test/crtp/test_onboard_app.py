@@ -108,5 +108,5 @@ def test_a_room_of_crtp_clients_flies_an_exported_app(tmp_path: Path) -> None:
     assert fleet.apps is not None
     assert np.isfinite(fleet.apps.eta).all()
     assert np.abs(fleet.apps.eta).max() > 0.0
-    with pytest.raises(AppBuildError, match="no app of export_app"):
+    with pytest.raises(AppBuildError, match="is not an app of export_app"):
         fleet_in(room, scenario, CrtpRoomParams(app=str(tmp_path / "none")))

@@ -33,7 +33,7 @@ def test_the_sentence_reports_loss_causes_rest_and_the_flight_without_the_first(
     )
     certain = replace(FOUND, shares=(CauseShare("downwash", 0.61, 0.6101, 0.6102),))
     assert ": 61 cm by downwash, 12 cm with none" in explanation_sentence(certain)
-    assert explanation_sentence(replace(FOUND, shares=())).endswith("by none of the known causes.")
+    assert explanation_sentence(replace(FOUND, shares=())).endswith("; none of the known causes explains it.")
     helped = (*FOUND.shares, CauseShare("wind", -0.05, -0.06, -0.04), CauseShare("control", 0.04, 0.0, 0.08))
     printed = explanation_sentence(replace(FOUND, shares=helped))
     assert "-5.0 cm (-6.0 to -4.0 cm) by wind" in printed

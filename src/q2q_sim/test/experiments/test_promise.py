@@ -33,7 +33,9 @@ def test_the_command_warns_of_flights_that_gave_the_tube(
     file = tmp_path / "tube.json"
     file.write_text(json.dumps(to_plain(learn_tube(np.full((200, 2), 0.1), 0.05, CONDITIONS, flown))))
     assert main(["--count", "1", "--tube", str(file)]) == 0
-    assert capsys.readouterr().err.startswith("promise: seeds 0 to 199 gave the tube, and do not test it")
+    assert capsys.readouterr().err.startswith(
+        "promise: the tube was learned from seeds 0 to 199, which cannot test it"
+    )
     assert main(["--count", "1", "--first", "200", "--tube", str(file)]) == 0
     assert capsys.readouterr().err == ""
 
@@ -54,7 +56,7 @@ def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(
     assert sorted(one.seed for one in found) == [1, 2, 3, 4]
     assert flown == [0, 1, 2, 2, 3, 4]
     other = PromiseCase(replace(STEADY, tracking=0.2))
-    with pytest.raises(ValueError, match="flights of another tube"):
+    with pytest.raises(ValueError, match="flights with another tube"):
         list(resume_flights(range(3), other, file, fly_seeds))
 
 
@@ -100,7 +102,7 @@ def test_a_share_outside_the_tube_is_refused_where_no_tube_is_learned(
 ) -> None:
     assert main(["--count", "1", "--alpha", "0.1"]) == 1
     said = capsys.readouterr().err
-    assert said == "promise: --alpha 0.1 is of the tube that --learn FILE writes: give both\n"
+    assert said == "promise: --alpha 0.1 applies to the tube that --learn FILE writes: give both\n"
 
 
 def test_a_process_that_dies_ends_the_command_in_one_line(

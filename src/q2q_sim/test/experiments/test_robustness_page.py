@@ -79,7 +79,7 @@ def test_numbers_are_kept_in_a_file(tmp_path: Path) -> None:
     assert read(tmp_path / "numbers.json") == kept
     for bad in ("[1]", '{"a": [0.1, 0.2, 0.3]}'):
         (tmp_path / "bad.json").write_text(bad)
-        with pytest.raises(ValueError, match=r"bad\.json has no numbers of flights"):
+        with pytest.raises(ValueError, match=r"bad\.json has no results of flights"):
             read(tmp_path / "bad.json")
 
 
@@ -88,7 +88,7 @@ def test_numbers_of_other_draws_are_refused_and_nothing_is_flown(tmp_path: Path)
     save(KeptNumbers({}, FlightDraws(2, 2001)), kept)
     before = kept.read_bytes()
     asked = Namespace(airs=["ring"], draws=25, seed=7, json=kept, out=tmp_path / "page.md", table_only=False)
-    with pytest.raises(ValueError, match=r"is of --draws 2 --seed 2001: give these, or another file"):
+    with pytest.raises(ValueError, match=r"was made with --draws 2 --seed 2001: give these, or another file"):
         run(asked)
     assert kept.read_bytes() == before
 

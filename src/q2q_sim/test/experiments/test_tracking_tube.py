@@ -46,7 +46,7 @@ def test_the_fewest_flights_bound_by_their_largest_error() -> None:
     assert fewest_flights(0.01) == 99
     assert conformal_bound(np.arange(19.0), 0.05) == 18.0
     assert conformal_bound(np.arange(99.0), 0.05) == 94.0  # the 95th of 99
-    with pytest.raises(ValueError, match=r"18 scores at alpha = 0.05: 19 are needed"):
+    with pytest.raises(ValueError, match=r"18 scores at alpha = 0.05; must be at least 19"):
         conformal_bound(np.arange(18.0), 0.05)
 
 
@@ -62,5 +62,5 @@ def test_too_few_flights_for_a_tube_are_refused_before_they_are_flown(alpha: flo
 def test_errors_that_give_no_tube_are_refused(row: int | slice, error: float) -> None:
     errors = np.random.default_rng(3).random((24, 2))
     errors[row, 1] = error
-    with pytest.raises(ValueError, match="must be finite, and most above 0"):
+    with pytest.raises(ValueError, match="must all be finite and mostly above 0"):
         learn_tube(errors, 0.05, CONDITIONS)

@@ -33,7 +33,7 @@ def test_a_tube_file_gives_the_tube_back_and_a_wrong_one_names_its_key(tmp_path:
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"alpha": 7.0}, "alpha = 7: above 0 and below 1"), ({"vertical": 0.0}, "above 0 is allowed")],
+    [({"alpha": 7.0}, "alpha = 7; must be above 0 and below 1"), ({"vertical": 0.0}, "m; must be above 0")],
 )
 def test_a_tube_file_with_a_number_out_of_bounds_is_refused_by_name(
     tmp_path: Path, change: dict[str, float], said: str
@@ -69,7 +69,7 @@ def test_flights_of_seeds_that_gave_the_tube_are_named() -> None:
     tube = learn_tube(np.full((200, 2), 0.1), 0.05, CONDITIONS, flown)
     for first, count in ((0, 101), (299, 1), (150, 10), (0, 1000)):
         assert reused_seeds(tube, first, count) == (
-            "seeds 100 to 299 gave the tube, and do not test it; others begin at --first 300"
+            "the tube was learned from seeds 100 to 299, which cannot test it; give --first 300"
         )
     assert reused_seeds(tube, 0, 100) is None
     assert reused_seeds(tube, 300, 100) is None
@@ -78,7 +78,7 @@ def test_flights_of_seeds_that_gave_the_tube_are_named() -> None:
 @pytest.mark.parametrize(
     ("flown", "said"),
     [
-        (0.11, "flights with that one stay within it with probability 0.95"),
+        (0.11, "flights with the flown one stay within it with probability 0.95"),
         (0.09, "run promise with --tube to count how many flights leave it"),
     ],
 )

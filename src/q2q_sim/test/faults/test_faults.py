@@ -217,14 +217,14 @@ def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None
     ("document", "word"),
     [
         ({"kind": "outlyer", "start": 1}, r"unknown fault 'outlyer'; did you mean outlier"),
-        ({"kind": "outlier", "start": -1, "size": 1}, r"start = -1.0: 0 s or more is allowed"),
+        ({"kind": "outlier", "start": -1, "size": 1}, r"start = -1.0; must be at least 0 s"),
         ({"kind": "outlier", "start": float("nan"), "size": 1}, r"start = nan"),
-        ({"kind": "outlier", "start": 1, "size": 1000}, r"size = 1000.0: must be 0.001 to 100.0 m"),
-        ({"kind": "radio_loss", "start": 1, "size": 2}, r"size = 2.0: must be 0.0 to 1.0"),
+        ({"kind": "outlier", "start": 1, "size": 1000}, r"size = 1000.0; must be in \[0.001, 100.0\] m"),
+        ({"kind": "radio_loss", "start": 1, "size": 2}, r"size = 2.0; must be in \[0.0, 1.0\]"),
         ({"kind": "swap", "start": 1, "vehicles": ["cf1"]}, r"name exactly two different vehicles"),
         ({"kind": "swap", "start": 1, "vehicles": ["cf1", "cf1"]}, r"\['cf1', 'cf1'\]: name exactly two"),
         ({"kind": "stale", "start": 1, "vehicles": ["cf1"]}, r"acts on whole frames: name no vehicles"),
-        ({"kind": "nan", "start": "soon"}, r"start = 'soon': a number is expected"),
+        ({"kind": "nan", "start": "soon"}, r"start = 'soon'; must be a number"),
         ({"kind": "nan", "begin": 1}, r"unknown key 'begin'"),
         ("nan", r"fault: got 'nan', expected a mapping with kind, start"),
     ],
@@ -235,7 +235,7 @@ def test_wrong_faults_are_refused_by_name(document: object, word: str) -> None:
 
 
 def test_a_fault_of_a_stranger_is_refused() -> None:
-    with pytest.raises(ValueError, match="fault nan: no vehicle 'cf9'; flying are cf1, cf2"):
+    with pytest.raises(ValueError, match="fault nan: no vehicle 'cf9'; choose one of cf1, cf2"):
         replace(CALM, faults=(Fault("nan", 0.0, vehicles=("cf9",)),))
 
 
@@ -269,5 +269,5 @@ def test_a_flight_comes_through_a_fault_of_each_kind(kind: str) -> None:
 def test_vehicles_may_be_any_sequence_of_names_and_no_single_one() -> None:
     listed = Fault("nan", 0.1, vehicles=["cf1"])  # type: ignore[arg-type]
     assert {listed} == {Fault("nan", 0.1, vehicles=("cf1",))}
-    with pytest.raises(TypeError, match="fault nan: vehicles = 'cf1': a list of names is allowed"):
+    with pytest.raises(TypeError, match="fault nan: vehicles = 'cf1'; must be a list of names"):
         Fault("nan", 0.1, vehicles="cf1")  # type: ignore[arg-type]

@@ -70,5 +70,5 @@ def test_a_bag_of_older_software_has_the_faults_of_its_scenario_with_a_note(tmp_
 def test_faults_that_cannot_be_read_are_none_with_a_note(tmp_path: Path, words: str) -> None:
     with BagWriter(tmp_path / "bag", facts=FlightFacts(faults=words)):
         pass
-    with pytest.warns(UserWarning, match="its faults are not known: "):
+    with pytest.warns(UserWarning, match="its faults are unknown: "):
         assert flown_faults(tmp_path / "bag") == ()

@@ -118,7 +118,7 @@ def test_a_compressed_trajectory_turns_as_the_firmware_does_and_needs_an_end() -
     resting = compressed_pieces(struct.pack("<4h", 500, 0, 0, 0) + ends, 0)
     assert (resting[0].duration, resting[0].coefficients[0, 0]) == (0.0, 0.5)
     for lacking in (one[:-1], one[:12], b""):
-        with pytest.raises(ValueError, match="has no end in the memory"):
+        with pytest.raises(ValueError, match="does not end within the memory"):
             compressed_pieces(lacking, 0)
 
 

@@ -55,7 +55,9 @@ def test_a_bag_in_millimetres_is_refused(
     main, options = TOOLS[tool]
     bag = bag_of_height(tmp_path / "mm", *heights)
     assert main([str(bag), *(option.format(out=tmp_path / "made") for option in options)]) == 1
-    message = f"x, y, z of {what} in mm reach 1000 in the median, 50 m is the maximum: are they in metres?"
+    message = (
+        f"x, y, z of {what} in mm reach 1000 m in the median (maximum 50 m): check that they are in metres"
+    )
     assert capsys.readouterr().err.strip().splitlines()[-1].startswith(f"{tool}: {message}")
 
 

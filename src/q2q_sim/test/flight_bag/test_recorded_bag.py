@@ -27,7 +27,7 @@ def test_a_bag_whose_disk_is_full_says_so_once_and_counts_what_it_lacks(
     with full_after(32_768):
         for second in range(400):  # a chunk of some 150 bytes for each
             recorded.take("/command", serialized_at(second))
-    with pytest.raises(BagError, match=f"bag {bag} lacks what came after its disk took no more"):
+    with pytest.raises(BagError, match=f"bag {bag} lacks the messages after its disk was full"):
         recorded.close(["/command"])
     stored, said = recorded.health.ticks, capfd.readouterr().err
     assert said.count("\n") == 1

@@ -17,7 +17,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 
 SCENARIO = replace(library.load("table6"), duration=3.0)
-REFUSAL = "times the weight of crazyflie_2_0; allowed is 0.5 to 2 times: name the vehicle with --vehicle"
+REFUSAL = "times the weight of crazyflie_2_0; must be 0.5 to 2 times: name the vehicle with --vehicle"
 
 
 def recorded(folder: Path, facts: FlightFacts | None, scenario: Scenario = SCENARIO) -> Path:

@@ -138,7 +138,7 @@ def test_a_file_is_read_row_by_row(tmp_path: Path):
     one.loadcsv(file)
     assert (one.n_pieces(), one.duration) == (2, 33.0)
     assert list(one.polynomials[1].py.p) == list(range(42, 50))
-    with pytest.raises(ValueError, match=r"0 to 33\.0 s is allowed"):
+    with pytest.raises(ValueError, match=r"must be in \[0, 33\.0\] s"):
         one.eval(33.1)
 
 
@@ -219,7 +219,7 @@ def test_a_thrust_that_the_firmware_takes_for_none_is_reported_and_no_thrust_is_
     crazyflies.fly(1.0)
     for thrust, refused in (
         (0, ""),
-        (36, "the firmware takes a thrust below 1000 of 65535 for none"),
+        (36, "the firmware treats a thrust below 1000 of 65535 as none"),
         (36000, ""),
     ):
         packet = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 0.0, 0.0, 0.0, thrust))

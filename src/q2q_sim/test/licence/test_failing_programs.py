@@ -38,7 +38,9 @@ def test_an_error_of_a_callback_that_cflib_catches_is_reported_where_the_program
     scf.cf.log.add_config(power); power.data_received_cb.add_callback(came); power.start()
     seen.wait()"""
     flight = flown(hop(tmp_path, wait), limit=6.0)
-    why = "it waits on line 21; a callback failed before, which cflib catches: KeyError: 'pm.vbatt', line 17"
+    why = (
+        "it waits on line 21; an earlier callback failed, and cflib caught it: KeyError: 'pm.vbatt', line 17"
+    )
     assert flight.findings[0].why == why
 
 

@@ -68,7 +68,7 @@ def test_a_pass_says_if_no_vehicle_flew(tmp_path: Path) -> None:
     assert (found.passed, licence_json(found)["flew"]) == (True, False)
     assert verdict_text(found) == "PASS hop.py: 1 flight in 1 s; no vehicle flew"
     page = write_licence_page(found, tmp_path / "page").read_text(encoding="utf-8")
-    assert "with emulated vehicles, of which none left the floor." in page
+    assert "with emulated vehicles, none of which left the floor." in page
 
 
 def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path) -> None:

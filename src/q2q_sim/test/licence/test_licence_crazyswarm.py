@@ -239,7 +239,7 @@ assert abs(waited - PRESS) < 0.05, waited
     log = log_of(fly(tmp_path, body, served=(served,)))
     assert log.names == ("cfa",)
     assert "no.such = 1 is not set: KeyError('no.such')" in log.output
-    assert "getParam: no.such is no parameter of the emulated firmware" in log.output
+    assert "getParam: no.such is not a parameter of the emulated firmware" in log.output
     assert "getParam: ring.effect is not set yet: server.yaml has" in log.output
     assert "ring.effect = 'off' is not set: ValueError" in log.output
 
@@ -250,7 +250,7 @@ assert abs(waited - PRESS) < 0.05, waited
         ("import rclpy", "ImportError: a licence has no rclpy: programs command by cflib or crazyflie_py"),
         (
             "cf.cmdVelocityWorld([0.0] * 3, 0.0)",
-            "Crazyflie has no cmdVelocityWorld: it is one of Crazyswarm1",
+            "Crazyflie has no cmdVelocityWorld: it exists in Crazyswarm1 only",
         ),
         ("allcfs.create_timer(1.0, print)", "CrazyflieServer of a licence has no create_timer"),
         ("import crazyflie_py.joystick as j; j.Joystick()", "a licence has no such hardware"),

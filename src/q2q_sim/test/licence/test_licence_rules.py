@@ -132,5 +132,5 @@ def test_a_program_that_does_not_end_is_reported_with_the_lines_on_which_it_wait
     why = "it waits outside Python's clock, for input, a socket or a process on line 3"
     assert broken_rules(replace(hover(), end=outside), LIMITS)[0].why == why
     caught = replace(end, waiting=(), caught="KeyError: 'y', line 7")
-    why = "a callback failed before, which cflib catches: KeyError: 'y', line 7"
+    why = "an earlier callback failed, and cflib caught it: KeyError: 'y', line 7"
     assert broken_rules(replace(hover(), end=caught), LIMITS)[0].why == why

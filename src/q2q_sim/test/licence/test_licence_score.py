@@ -35,10 +35,10 @@ def test_the_programs_of_a_folder_are_judged_all_or_those_named(
         "right  hop: room 6 m",
         "right  swarm_steps: room 4 m",
         "WRONG  no_landing: room 6 m",
-        "2 of 3 programs judged rightly",
+        "2 of 3 programs judged correctly",
     ]
     assert main(["--score", str(folder), "--only", "swarm_steps"]) == 0
-    assert capsys.readouterr().out.endswith("\n1 of 1 programs judged rightly\n")
+    assert capsys.readouterr().out.endswith("\n1 of 1 programs judged correctly\n")
 
 
 @pytest.mark.parametrize(("only", "message"), [
@@ -53,7 +53,7 @@ def test_a_name_that_no_program_has_is_refused_before_any_is_judged(
 
 
 def test_a_folder_without_programs_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    needed = "no program in it; needed are .py files in sound or buggy"
+    needed = "no program in it; must have .py files in sound or buggy"
     for _ in range(2):
         assert main(["--score", str(tmp_path)]) == 2
         assert capsys.readouterr() == ("", f"licence: --score {tmp_path}: {needed}\n")

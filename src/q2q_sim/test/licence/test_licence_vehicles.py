@@ -89,7 +89,7 @@ def test_without_time_the_vehicles_that_a_program_opens_are_not_flown(tmp_path: 
     found = licence(Program(file), LicenceOptions(budget=0.0))
     (flight,) = found.flights
     assert [one.what for one in flight.failures] == [
-        "there is no time left to fly all vehicles that the program opens"
+        "no time is left to fly all vehicles that the program opens"
     ]
     assert (found.passed, found.judged, found.left_out) == (False, True, ())
 
@@ -111,7 +111,7 @@ def test_starts_that_are_not_as_many_as_the_vehicles_are_refused(
     [
         ("5 0 0", "--start 1 is at 5, 0 m: the room is 6 by 6 m around the origin; move it, or set --room"),
         ("0 0 0 --start 0 -3.1 0", "--start 2 is at 0, -3.1 m: the room is 6 by 6 m around the origin; move"),
-        ("0 0 0 --start 0.05 0 0", "--start 1 and --start 2 are 0.05 m apart: 0.14 m is the minimum\n"),
+        ("0 0 0 --start 0.05 0 0", "--start 1 and --start 2 are 0.05 m apart (minimum 0.14 m)\n"),
     ],
 )
 def test_starts_at_which_no_vehicle_can_stand_are_refused(
@@ -128,7 +128,10 @@ def test_starts_at_which_no_vehicle_can_stand_are_refused(
     ("entry", "why"),
     [
         ("initial_position: [0, 3.5, 0]", "cf7 is at 0, 3.5 m: the room is 6 by 6 m"),
-        ("connection: none", "robots.cf7.connection = 'none': Crazyswarm2 reads that of robot_types only"),
+        (
+            "connection: none",
+            "robots.cf7.connection = 'none': Crazyswarm2 reads connection only from robot_types",
+        ),
     ],
 )
 def test_a_crazyflies_file_that_the_server_or_the_room_does_not_allow_is_refused(

@@ -57,14 +57,14 @@ def test_a_short_step_a_quick_one_and_a_jump_are_told_apart():
     assert refusal(rest_to_rest(0.05, 0.0, 0.0, 0.05)) == ""  # a small step of a PositionHlCommander
     assert refusal(rest_to_rest(0.0, 0.0, 0.5, 0.5)) == ""
     beyond = math.hypot(2.0, 0.5 * GRAVITY * 0.16) - 0.5 * FULL * 0.16
-    assert refusal(rest_to_rest(2.0, 0.0, 0.0, 0.4)).startswith(f"a place that is {beyond:.2f} m farther")
+    assert refusal(rest_to_rest(2.0, 0.0, 0.0, 0.4)).startswith(f"a position {beyond:.2f} m beyond")
     first, second = rest_to_rest(1.0, 0.0, 0.0, 2.0), rest_to_rest(0.0, 0.0, 0.0, 2.0)
     for backwards in (False, True):
         jumps = refusal(first, second, backwards=backwards)
         assert jumps == "a trajectory that jumps by 1.00 m between two pieces"
     assert refusal(second, rest_to_rest(1.0, 0.0, 0.0, 2.0)) == ""
     nothing = Piece(2.0, np.full((4, 8), math.nan))
-    assert refusal(nothing, nothing).startswith("a place that is not finite")
+    assert refusal(nothing, nothing).startswith("a position that is not finite")
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0])
@@ -75,9 +75,9 @@ def test_a_plan_without_duration_is_away_by_its_distance_to_the_goal_before(dura
         return reach_violation(Piecewise((rest_to_rest(x, y, z, duration),), 3.0), here, CRAZYFLIE_2_0)
 
     assert refusal(0.5, -0.3, 1.0) == refusal(0.5, -0.3, 1.14) == refusal(0.36, -0.3, 1.0) == ""
-    farther = "m farther than full thrust takes it in that time"
-    assert refusal(0.5, 0.9, 0.5) == f"a place that is 1.30 {farther}"
-    assert refusal(0.5, -0.3, 1.16) == f"a place that is 0.16 {farther}"
+    farther = "m beyond the reach of full thrust in that time"
+    assert refusal(0.5, 0.9, 0.5) == f"a position 1.30 {farther}"
+    assert refusal(0.5, -0.3, 1.16) == f"a position 0.16 {farther}"
 
 
 def hovering(height: float) -> CflibFleet:
@@ -107,9 +107,9 @@ def test_commands_in_zero_seconds_are_told_by_how_far_they_take_the_goal():
     crazyflies = hovering(1.0)
     assert impossible(crazyflies, go(0.2, 1.0)) == ""
     assert impossible(crazyflies, go(0.0, 0.0, relative=True)) == ""
-    assert impossible(crazyflies, go(1.7, 1.0)).startswith("a place that is 1.50 m farther")
+    assert impossible(crazyflies, go(1.7, 1.0)).startswith("a position 1.50 m beyond")
     crazyflies = hovering(1.0)
-    assert impossible(crazyflies, go(0.0, 0.5, relative=True)).startswith("a place that is 0.50 m farther")
+    assert impossible(crazyflies, go(0.0, 0.5, relative=True)).startswith("a position 0.50 m beyond")
     crazyflies.fly(0.02)  # the goal is there now, the vehicle is not
     assert impossible(crazyflies, go(0.0, 0.0, relative=True)) == ""
 
@@ -123,7 +123,7 @@ def test_commands_in_zero_seconds_are_told_by_how_far_they_take_the_goal():
 )
 def test_a_line_and_a_spiral_in_zero_seconds_have_no_place(content: bytes):
     crazyflies = hovering(1.0)
-    told = "a place that is not finite, as that of a line or a spiral in 0 s is: it drops the plan"
+    told = "a position that is not finite, like that of a line or spiral in 0 s: it drops the plan"
     assert impossible(crazyflies, Packet(Port.HIGH_LEVEL, 0, content)) == told
     crazyflies.fly(0.01)
     assert crazyflies.firmware().planner.state == PlanState.DISABLED
@@ -133,7 +133,7 @@ def test_a_take_off_in_zero_seconds_is_a_jump_and_a_landing_in_zero_seconds_stop
     grounded: CflibFleet,
 ):
     jump = server_packets.vertical(server_packets.TAKE_OFF, 0.4, 0.0, 0)
-    assert impossible(grounded, jump).startswith("a place that is 0.40 m farther")
+    assert impossible(grounded, jump).startswith("a position 0.40 m beyond")
     crazyflies = hovering(1.0)
     assert impossible(crazyflies, server_packets.vertical(server_packets.LAND, 0.0, 0.0, 0)) == ""
     crazyflies.fly(0.01)
@@ -143,7 +143,7 @@ def test_a_take_off_in_zero_seconds_is_a_jump_and_a_landing_in_zero_seconds_stop
 def test_an_uploaded_trajectory_that_begins_away_from_the_goal_is_told_by_how_far():
     level = np.zeros((4, 8))
     level[2, 0] = 1.0  # at rest at (0, 0, 1)
-    for relative, told in ((False, "a trajectory that begins 0.20 m from where it is"), (True, "")):
+    for relative, told in ((False, "a trajectory that begins 0.20 m from its position"), (True, "")):
         crazyflies = hovering(1.0)  # at x = 0.2
         for packet in server_packets.upload(1, 0, [(2.0, level)]):
             assert not impossible(crazyflies, packet)
@@ -158,8 +158,8 @@ def test_a_trajectory_that_is_started_during_its_upload_is_told():
     half = len(written) // 2  # two pieces
     for packet in (*written[:half], defined):
         assert not impossible(crazyflies, packet)
-    assert impossible(crazyflies, start) == "trajectory 3, of which 2 of 4 pieces are not uploaded"
-    changes = "a change of the trajectory that it flies"
+    assert impossible(crazyflies, start) == "trajectory 3, with 2 of 4 pieces not uploaded"
+    changes = "a change of the trajectory it is flying"
     assert {impossible(crazyflies, packet) for packet in written[half:]} == {changes}
     (other,) = list(server_packets.upload(4, 0, [(1.0, np.ones((4, 8)))]))[:1]
     assert impossible(crazyflies, other) == ""  # before its first piece
@@ -182,7 +182,7 @@ def test_a_compressed_trajectory_that_was_not_uploaded_is_told():
     define = Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBIB", 6, 3, 1, 1, 0, 1))
     assert not impossible(crazyflies, define)
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
-    assert impossible(crazyflies, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
+    assert impossible(crazyflies, start) == "trajectory 3, with 1 of 1 pieces not uploaded"
 
 
 def test_a_change_of_a_compressed_trajectory_that_is_flown_is_told():
@@ -196,7 +196,7 @@ def test_a_change_of_a_compressed_trajectory_that_is_flown_is_told():
     for packet in (write(at, packed), Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBIB", 6, 3, 1, 1, at, 1))):
         assert not impossible(crazyflies, packet)
     assert not impossible(crazyflies, server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
-    changes = "a change of the trajectory that it flies"
+    changes = "a change of the trajectory it is flying"
     writes = {at - 1: "", at: changes, at + len(packed) - 1: changes, at + len(packed): ""}
     assert {place: impossible(crazyflies, write(place, b"\1")) for place in writes} == writes
     crazyflies.fly(2.1)
@@ -209,9 +209,7 @@ def test_the_same_upload_again_is_no_change_of_the_trajectory_that_is_flown():
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
     *other, _ = server_packets.upload(3, 0, [(5.0, np.ones((4, 8)) * 2e-6)])
     assert {impossible(crazyflies, packet) for packet in (*written, defined, start, *written)} == {""}
-    assert {impossible(crazyflies, packet) for packet in other} == {
-        "a change of the trajectory that it flies"
-    }
+    assert {impossible(crazyflies, packet) for packet in other} == {"a change of the trajectory it is flying"}
 
 
 @pytest.mark.parametrize("arrived", range(6))
@@ -222,7 +220,7 @@ def test_a_piece_of_which_packets_have_not_arrived_is_not_uploaded(arrived: int)
     for packet in (*written[:arrived], defined):
         assert not impossible(crazyflies, packet)
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
-    assert impossible(crazyflies, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
+    assert impossible(crazyflies, start) == "trajectory 3, with 1 of 1 pieces not uploaded"
 
 
 def test_an_upload_changes_no_trajectory_that_was_left_for_setpoints():
@@ -232,7 +230,7 @@ def test_an_upload_changes_no_trajectory_that_was_left_for_setpoints():
         assert not impossible(crazyflies, packet)
     assert not impossible(crazyflies, server_packets.start(3, 1.0, backwards=False, relative=True, mask=0))
     first, second, *_ = server_packets.upload(4, 0, [(10.0, np.ones((4, 8)) * 2e-6)])
-    assert impossible(crazyflies, first) == "a change of the trajectory that it flies"
+    assert impossible(crazyflies, first) == "a change of the trajectory it is flying"
     impossible(crazyflies, server_packets.position((0.2, 0.0, 1.0), 0.0))
     crazyflies.fly(0.1)
     assert impossible(crazyflies, second) == ""

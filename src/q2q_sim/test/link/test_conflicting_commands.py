@@ -56,6 +56,6 @@ def test_an_emergency_that_cuts_what_its_tick_commanded_is_one_controller() -> N
 
 
 def test_vehicles_that_two_nodes_fly_are_named_with_the_nodes_unless_one_has_left() -> None:
-    message = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
+    message = "command: two nodes fly cf2: stop one, or give each its own `vehicles` (mpc, pid write it)"
     assert conflict_note(("cf2",), ["mpc", "pid"]) == message
     assert conflict_note(("cf2",), ["pid"]) == ""

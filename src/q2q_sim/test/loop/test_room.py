@@ -74,7 +74,7 @@ def test_who_reads_no_accelerometers_changes_nothing_else() -> None:
 @pytest.mark.parametrize(
     ("names", "thrust", "word"),
     [
-        (("cf1", "cf9"), 0.3, "command for cf9: no such vehicle; flying are cf1, cf2, cf3"),
+        (("cf1", "cf9"), 0.3, "command for cf9: no such vehicle; the vehicles are cf1, cf2, cf3"),
         (("cf2",), np.nan, "cf2 is not finite"),
         (("cf2",), 1e100, "cf2 is not finite as float32 in degrees"),
         (("cf1", "cf2"), -1e200, "cf1 is not finite"),  # its square overflows
@@ -131,7 +131,7 @@ def test_a_room_without_commands_cuts_its_motors_after_two_seconds() -> None:
 
 
 def test_a_negative_seed_is_refused() -> None:
-    with pytest.raises(ValueError, match="seed = -1: 0 or above is allowed"):
+    with pytest.raises(ValueError, match="seed = -1; must be at least 0"):
         Room(library.load("table6"), seed=-1)
 
 

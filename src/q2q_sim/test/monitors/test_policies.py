@@ -24,18 +24,17 @@ def test_a_flight_without_faults_keeps_every_policy() -> None:
 def test_a_violation_says_what_was_measured_and_its_unit() -> None:
     texts = {policy: str(Violation(policy, "cf1", 8.97, 1.8932, 1.5)) for policy in POLICIES}
     assert (
-        texts["setpoint_error"]
-        == "setpoint_error: cf1 at 8.97 s: 1.893 m from its setpoint, at most 1.5 m is allowed"
+        texts["setpoint_error"] == "setpoint_error: cf1 at 8.97 s: 1.893 m from its setpoint (maximum 1.5 m)"
     )
-    assert texts["silence"] == "silence: cf1 at 8.97 s: no command for 1.893 s, at most 1.5 s is allowed"
-    assert [policy for policy, words in texts.items() if "allowed is 1.5" in words] == ["numbers"]
+    assert texts["silence"] == "silence: cf1 at 8.97 s: no command for 1.893 s (maximum 1.5 s)"
+    assert [policy for policy, words in texts.items() if "(limit 1.5)" in words] == ["numbers"]
     not_finite = Violation("numbers", "cf1's thrust", float("nan"), float("nan"), 0.0)
     assert str(not_finite) == "numbers: cf1's thrust"
     assert str(Violation("stale_reported_ok", "cf1", 1.0, 0.07, 0.06)).endswith(
-        "OK on a state 0.07 s old, at most 0.06 s is allowed"
+        "OK on a state 0.07 s old (maximum 0.06 s)"
     )
     repeated = Violation("repeat_reported_ok", "cf1", 1.0, 3.0, 0.0)
-    assert str(repeated) == "repeat_reported_ok: cf1 at 1.00 s: 3, allowed is 0"
+    assert str(repeated) == "repeat_reported_ok: cf1 at 1.00 s: 3 (limit 0)"
 
 
 def test_a_violation_reports_who_when_and_how_much() -> None:
@@ -45,8 +44,7 @@ def test_a_violation_reports_who_when_and_how_much() -> None:
     assert found.t == pytest.approx(3.0)
     assert found.value == pytest.approx(0.5, abs=0.1)
     assert (
-        str(replace(found, value=0.5))
-        == "tilt: cf3 at 3.00 s: 0.5 rad of commanded tilt, at most 0.36 rad is allowed"
+        str(replace(found, value=0.5)) == "tilt: cf3 at 3.00 s: 0.5 rad of commanded tilt (maximum 0.36 rad)"
     )
 
 

@@ -72,7 +72,7 @@ def test_a_part_in_which_a_vehicle_is_lost_is_no_failure_of_a_flight_in_which_it
         said = f"ok: {length} s judged, a part of the flight"
         assert str(verdict_of(of_rows(whole, rows), AROUND, whole=whole)) == said
     to_the_end = flown(status=np.where(T[:, None] >= 8.995, [0, CommandStatus.LAND], 0))
-    said = "cf2 was flown without measurements from 9.0 s to the end"
+    said = "cf2 flew without measurements from 9.0 s to the end"
     assert str(verdict_of(of_rows(to_the_end, slice(500, None)), AROUND, whole=to_the_end)) == said
     level = flown(status=np.where(T[:, None] >= 8.995, [0, CommandStatus.LEVEL], 0))
     said = "ok: 0.5 s judged, a part of the flight"
@@ -105,4 +105,4 @@ def test_ticks_that_the_recording_lacks_are_named() -> None:
     whole = verdict_of(flight, AROUND, 0)
     assert with_lost_ticks(whole, flight, TICKS) == whole
     lacking = str(with_lost_ticks(whole, flight, TICKS + 160))
-    assert "not judged: 160 of 1160 ticks, which the recording lacks" in lacking
+    assert "not judged: 160 of 1160 ticks missing from the recording" in lacking

@@ -84,7 +84,7 @@ class Upwards:
 
 @pytest.mark.parametrize("air", ["room", 1, Upwards()])
 def test_an_air_that_a_batch_cannot_step_is_refused(air: object) -> None:
-    with pytest.raises(TypeError, match="a batch steps a WakeLaw or a RoomAir"):
+    with pytest.raises(TypeError, match="must be a WakeLaw or a RoomAir"):
         SwarmBatch(SwarmBatchSetup(CRAZYFLIE_2_0, _start(), air))  # type: ignore[arg-type]
 
 

@@ -173,7 +173,7 @@ def test_a_second_start_is_refused_and_the_playback_goes_on(tmp_path: Path) -> N
         assert player._messages.next is not None
         assert player._messages.next.stamp_ns == 10_000_000
         play(player)
-        assert start() == (False, "the playback is over: start the node again for another one")
+        assert start() == (False, "the playback is over: restart the node for another one")
 
 
 def test_an_answer_without_a_header_is_refused_and_the_next_one_goes_on(tmp_path: Path) -> None:
@@ -247,7 +247,7 @@ def test_after_a_pause_of_the_process_the_playback_goes_on_where_it_was(
         assert played_at(player, monkeypatch, 0.005, 0.255, 60.255, 60.355) == [1, 25, 0, 10]
         assert player._messages.next is not None
         assert player._messages.next.stamp_ns == 360_000_000
-    assert "stood still for 60.0 s: goes on where it was" in capfd.readouterr().err
+    assert "stood still for 60.0 s: continues where it was" in capfd.readouterr().err
 
 
 def test_a_recorded_clock_gives_way_to_that_of_the_playback(tmp_path: Path) -> None:
@@ -264,7 +264,7 @@ def test_a_tick_without_an_answer_is_reported_until_it_comes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     recorded(tmp_path / "bag")
-    message = "no answer on interference to the last tick: does the node run that writes it?"
+    message = "no answer on interference to the last tick: check that the node that writes it runs"
     with waiting_player(tmp_path / "bag", "wait_for:=interference") as player:
         now = [0.0]
         monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: now[0])

@@ -101,7 +101,7 @@ def test_a_topic_that_is_published_with_another_type_is_named_with_both(
         recorder.close()
     said = "/command is published as std_msgs/msg/String, not as q2q_msgs/msg/SwarmCommand"
     assert f"bag_record: {said}: it is not recorded\n" in (error := capfd.readouterr().err)
-    assert "do their nodes run" not in error
+    assert "check that their nodes run" not in error
 
 
 LATCHED_EXTRA = "extra:=['map:q2q_msgs/msg/SwarmCommand']"

@@ -52,8 +52,8 @@ FIELDS = json.loads(timing_as_text(TIMING))
 @pytest.mark.parametrize(
     ("summary", "why"),
     [
-        ("over", "it is no JSON"),
-        ("[" * 100_000, "it is no JSON"),
+        ("over", "not JSON"),
+        ("[" * 100_000, "not JSON"),
         ("3", "a mapping"),
         ("{}", "ticks"),
         (json.dumps(FIELDS | {"ticks": "many"}), "ticks"),

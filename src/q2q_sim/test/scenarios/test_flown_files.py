@@ -107,7 +107,7 @@ def test_vehicle_and_air_of_the_command_line_come_before_the_files(plan: Path) -
 def test_choices_of_which_one_would_be_ignored_are_refused() -> None:
     with pytest.raises(ValueError, match="distributed with controller = 'pid': give controller = 'mpc'"):
         FlightRequest("table6", distributed=True)
-    with pytest.raises(ValueError, match="record predictions of a flight that is not distributed"):
+    with pytest.raises(ValueError, match="record predictions: the flight is not distributed"):
         FlightRequest("table6", controller="mpc", record=("predictions",))
     with pytest.raises(ValueError, match="wake = 'paper' and air = 'room': give one of them"):
         FlightRequest("table6", wake="paper", air="room")
@@ -118,7 +118,7 @@ def test_choices_of_which_one_would_be_ignored_are_refused() -> None:
     [
         ("both.yaml", "plan: mine.json\n" + WAYPOINTS, "vehicles and plan are both given"),
         ("none.yaml", "plan: absent.json\n", "plan .*absent.json cannot be read"),
-        ("number.yaml", "plan: 3\n", "plan = 3: the path of a plan file is expected"),
+        ("number.yaml", "plan: 3\n", "plan = 3; must be the path of a plan file"),
         ("points.json", '{"vehicles": {}}', "points.json is not a plan: format and version"),
         ("points.csv", "t,x,y,z\n", "or a file: .yaml of a scenario or waypoints, .json of a plan"),
     ],

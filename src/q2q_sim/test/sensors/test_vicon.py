@@ -147,7 +147,7 @@ def test_seeds_differ_and_repeat() -> None:
 
 
 def test_bounds_are_refused_by_name() -> None:
-    with pytest.raises(ValueError, match=r"ViconParams.pos_noise = -0.1: must be 0.0 to 0.1 m"):
+    with pytest.raises(ValueError, match=r"ViconParams.pos_noise = -0.1; must be in \[0.0, 0.1\] m"):
         ViconParams(pos_noise=-0.1)
     with pytest.raises(ValueError, match=r"dropout_min = 0.5 is above dropout_max = 0.3"):
         ViconParams(dropout_min=0.5)

@@ -86,7 +86,7 @@ def test_live_a_controller_that_is_silent_keeps_back_no_other_vehicles_command()
 
 def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> None:
     gate = CommandGate(("cf1", "cf2"))
-    with pytest.raises(ValueError, match="unknown vehicle cf9; flying are cf1, cf2"):
+    with pytest.raises(ValueError, match="unknown vehicle cf9; the vehicles are cf1, cf2"):
         gate.offer(0, command(("cf9",), 1.0))
 
 

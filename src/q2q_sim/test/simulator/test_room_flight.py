@@ -176,10 +176,8 @@ def test_live_vehicles_that_no_command_reached_for_2_s_are_reported_as_locked_un
         locks[tick] = flown.locked
         if tick in {220, 250}:
             flown.receive(encode(command(0.3 if tick < 250 else 0.0), tick * TICK_NS))
-    why = "motors locked by 2 s without a command, or from the start, until one has no thrust"
-    remedy = (
-        'start the simulator with -p starts_after:="[mocap_filter, pid]", the nodes that it is to wait for'
-    )
+    why = "motors locked (at the start, or after 2 s without a command) until a command has no thrust"
+    remedy = 'start the simulator with -p starts_after:="[mocap_filter, pid]", the nodes to wait for'
     locked = f"{', '.join(SCENARIO.names)}: {why}: {remedy}, or with autostart:=false and call ~/start"
     assert {tick for tick, text in locks.items() if text} == set(range(202, 251))
     assert set(locks.values()) == {"", locked}

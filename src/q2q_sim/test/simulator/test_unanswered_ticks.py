@@ -48,9 +48,9 @@ def test_in_lockstep_a_tick_that_waits_for_a_second_names_the_vehicles_without_a
     wall.now = 5.9
     assert flown.awaited == ""
     wall.now = 6.0
-    assert flown.awaited == f"command of {FIRST}, {SECOND} not received: is a controller running?"
+    assert flown.awaited == f"command of {FIRST}, {SECOND} not received: check that a controller runs"
     answer(flown, 0, (FIRST,))
-    assert flown.awaited == f"command of {SECOND} not received: is a controller running?"
+    assert flown.awaited == f"command of {SECOND} not received: check that a controller runs"
     answer(flown, 0, (SECOND,))
     assert flown.awaited == flown.misstamped == ""
 
@@ -67,7 +67,7 @@ def test_in_lockstep_the_first_tick_that_is_given_up_is_reported_and_again_after
         wall.now += 3.0
         reports.append(flown.on_timer().gave_up)
         assert flown.awaited != ""  # the next tick waits as well
-    warning = "no command in 3 s (`command_timeout_s`): the vehicles fly on without, a tick every 1.5 s"
+    warning = "no command in 3 s (`command_timeout_s`): the vehicles fly without one, a tick every 1.5 s"
     assert reports == [warning, "", "", warning, ""]
     assert (flown.health.ticks, flown.health.missed) == (6, 5)
 
@@ -84,13 +84,13 @@ def test_in_lockstep_commands_with_the_stamp_of_another_clock_are_reported_and_n
     answer(flown, WALL_NS + TICK_NS)
     assert flown.awaited == ""
     assert flown.misstamped == (
-        "command: one is stamped 0.000 s, the frame 0.010 s: stamp each with its frame's stamp"
+        "command: a command is stamped 0.000 s, its frame 0.010 s: stamp each with its frame's stamp"
     )
     answer(flown, TICK_NS)
     answer(flown, WALL_NS)
     wall.now = 2.0
     assert flown.misstamped == (
-        "command: one is stamped 1796034108.352 s, the frame 0.020 s: stamp each with its frame's stamp"
+        "command: a command is stamped 1796034108.352 s, its frame 0.020 s: stamp each with its frame's stamp"
     )
 
 
@@ -120,5 +120,5 @@ def test_live_late_commands_and_those_of_a_failsafe_have_no_foreign_stamps() -> 
     for off in (-1_000_000_001, 1_000_000_001):
         stamps.take(5_000_000_000 + off, 5_000_000_000)
         assert stamps.warning == (
-            "command: one is stamped 4.000 s, the frame 5.000 s: stamp each with its frame's stamp"
+            "command: a command is stamped 4.000 s, its frame 5.000 s: stamp each with its frame's stamp"
         )

@@ -30,7 +30,7 @@ raise SystemExit(compile_kernels.main())
 NEVER = "compile_kernels: __main__.never is never called: call it in q2q_sim.tools.kernels.kernel_calls"
 NOT_STORED = (
     "compile_kernels: compiled kernels that could not be stored: 1; make room on the disk, or set "
-    "NUMBA_CACHE_DIR to a folder that can be written"
+    "NUMBA_CACHE_DIR to a writable folder"
 )
 
 

@@ -105,10 +105,10 @@ class Arrival:
             return stale
         off = float(np.linalg.norm(pos - rest.points[row]))
         if not off <= rest.near:
-            return f"{name} is at {float(pos[2]):z.2f} m, {off:.2f} m from where it should be"
+            return f"{name} is at {float(pos[2]):z.2f} m, {off:.2f} m from its goal"
         slow = f" and below {rest.speed:.2g} m/s" if np.isfinite(rest.speed) else ""
         held = f"within {rest.extent:.2g} m of one place{slow} for {t - float(self._since[row]):.2f} s"
-        return f"{name} still moves: it has stayed {held}, {self._settle_s:g} s are required"
+        return f"{name} still moves: it has stayed {held} (minimum {self._settle_s:g} s)"
 
 
 def _over_the_ground(pos: Array, params: FlightProcedureParams, height: float) -> Array:

@@ -17,8 +17,8 @@ from q2q_model.signals.values import Array
 
 AXES = "xyz"
 CUT_REMEDY = (
-    "(all/emergency, or without measurements): restart it; after a loss of measurements stamps that are set "
-    f"back by more than {SET_BACK_S:g} s do, too"
+    "(all/emergency or no measurements): restart it; after missing measurements, setting stamps back by "
+    f"more than {SET_BACK_S:g} s is enough"
 )
 
 
@@ -91,7 +91,7 @@ def stale_refusal(name: str, age: float, stale_s: float) -> str:
 def attitude_refusal(observation: Observation) -> str:
     """Return which vehicles have no attitude to fly by."""
     turned = listed(observation.without_attitude)
-    remedy = "are its quaternions x, y, z, w, and its markers as defined?"
+    remedy = "check the order x, y, z, w of quaternions and its markers"
     return f"{turned} was never measured upright: {remedy}" if turned else ""
 
 
@@ -106,7 +106,7 @@ def setpoint_refusal(observation: Observation, near: float, landing: LandingPara
     ):
         if not far <= near:
             found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
-            return f"{name} {found}: {near:.2f} m is the maximum; call take_off, then fly"
+            return f"{name} {found} (maximum {near:.2f} m): call take_off, then fly"
     return ""
 
 
@@ -120,7 +120,7 @@ def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
     for first, second in combinations(range(len(names)), 2):
         gap = float(np.hypot(*(pos[first] - pos[second])[:2]))
         if gap < apart:
-            return f"{names[first]} and {names[second]} are {gap:.2f} m apart: {apart:.2f} m is the minimum"
+            return f"{names[first]} and {names[second]} are {gap:.2f} m apart (minimum {apart:.2f} m)"
     return ""
 
 
@@ -148,9 +148,9 @@ def _vehicle_refusal(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
         return _lock_refusal(one)
     if np.isnan(one.volt) and params.voltage_start > 0.0:
-        return f"{one.name} does not report its battery: wait for its first report; if none comes, log it"
+        return f"{one.name} does not report its battery: wait for its first report, or enable its log"
     if one.volt < params.voltage_start:
-        return f"{one.name} has {one.volt:.2f} V: {params.voltage_start:.2f} V is the minimum to start with"
+        return f"{one.name} has {one.volt:.2f} V (minimum {params.voltage_start:.2f} V to start)"
     return f"{one.name}: {one.wrong}" if one.wrong else ""
 
 
@@ -162,16 +162,16 @@ def _estimates(observation: Observation, params: FlightProcedureParams) -> Itera
         if np.isnan(one.onboard).any():
             yield f"{one.name} stopped sending its own estimate x, y, z: check its link and its log topics"
         if not far <= params.estimator_error:
-            bound = f"{params.estimator_error:.2f} m is the maximum; check frames, wait for its estimator"
-            yield f"{one.name} estimates itself {far:.2f} m from its measured position: {bound}"
+            bound = f"(maximum {params.estimator_error:.2f} m): check frames, wait for its estimator"
+            yield f"{one.name} estimates itself {far:.2f} m from its measured position {bound}"
 
 
 def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
     if np.isnan(one.hover_ratio) or abs(one.hover_ratio - 1.0) <= params.hover_mismatch:
         return ""
     sent = f"would be sent {100.0 * one.hover_ratio:.0f} % of the thrust at which it hovers"
-    allowed = f"within {100.0 * params.hover_mismatch:.0f} % is allowed"
-    return f"{one.name} {sent}: {allowed}; check `vehicle`, `firmware`, ctrlMel.mass and ctrlMel.massThrust"
+    allowed = f"(allowed within {100.0 * params.hover_mismatch:.0f} %)"
+    return f"{one.name} {sent} {allowed}: check `vehicle`, `firmware`, ctrlMel.mass and ctrlMel.massThrust"
 
 
 def _standing(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
@@ -193,7 +193,7 @@ def _places(observation: Observation, params: FlightProcedureParams) -> Iterator
     off = observation.pos[:, :2] - observation.first_points()[:, :2]
     for name, far in zip(observation.names, np.linalg.norm(off, axis=1).tolist(), strict=True):
         if not far <= params.start_tolerance:
-            yield f"{name} is {far:.2f} m from its first point: {params.start_tolerance:.2f} m is the maximum"
+            yield f"{name} is {far:.2f} m from its first point (maximum {params.start_tolerance:.2f} m)"
 
 
 def _extent(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:

@@ -44,7 +44,7 @@ def _succeed(flight: ActiveFlight, act: Act, observation: Observation, reason: s
         flight.stream.start(t)
         if flight.joins:
             state.enter(Step.FLIGHT, t)
-            state.answer(granted=True, reason="flying the present setpoints")
+            state.answer(granted=True, reason="flying the current setpoints")
     elif act is Act.TRANSIT:
         state.enter(Step.TRANSIT, t, reason)
     elif act is Act.START:
@@ -72,7 +72,7 @@ def _fail(flight: ActiveFlight, act: Act, observation: Observation, reason: str,
     elif act is Act.TRANSIT and flight.lands_after_transit:
         overlap = flight.overlap(observation)
         if overlap:
-            text = f"{overlap}, and {reason}; land once more to land all the same"
+            text = f"{overlap}, and {reason}; call land again to land anyway"
             state.answer(granted=False, reason=text)
         else:
             flight.land(observation, t, f"where they are: {reason}")

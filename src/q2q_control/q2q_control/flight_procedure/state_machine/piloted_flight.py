@@ -165,8 +165,8 @@ class PilotedFlight:
         """Return why a single act is refused; empty if it is not."""
         step = self._procedure.step
         if step not in ON_GROUND:
-            return f"the step is {step.value}: {name} is for the ground"
-        return "" if self._single is None else f"{self._single.value} is under way"
+            return f"the step is {step.value}: {name} is allowed on the ground only"
+        return "" if self._single is None else f"{self._single.value} is in progress"
 
     def _conclude_single(self, outcome: Reply | None, t: float) -> None:
         """Answer the single act with its outcome; one that is late is a failure."""

@@ -88,7 +88,7 @@ class FlightProcedure:
         """
         seconds = self._flight.order(Act.LAND, observation).duration + self._flight.params.step_timeout_s
         if self.step in FLYING | {Step.ARMING}:
-            self.state.answer(granted=False, reason="the node ends: landing")
+            self.state.answer(granted=False, reason="the node is shutting down: landing")
             self._flight.lands_after_transit = False
             self._begin_landing(observation, t, again=True)
         return seconds
@@ -108,7 +108,7 @@ class FlightProcedure:
         if refusal:
             return refusal
         if self.state.pending is call and call is not Call.EMERGENCY and not self._flight.lands_after_transit:
-            return f"{call.value} is under way"
+            return f"{call.value} is in progress"
         return check_refusal(call, observation, self._flight.params, self._flight.landing)
 
     def _begin(self, call: Call, observation: Observation, t: float) -> None:
@@ -166,7 +166,7 @@ class FlightProcedure:
         """Follow vehicles that no longer fly setpoints: their motors were cut, or they land."""
         cut = [one.name for one in observation.vehicles if one.cut]
         why = f"motors of {listed(cut)} stopped" if cut else "by themselves"
-        self.state.answer(granted=False, reason=f"no vehicle flies setpoints: landing, {why}")
+        self.state.answer(granted=False, reason=f"no vehicle follows setpoints: landing, {why}")
         self.state.enter(Step.LANDING, t, why)
         lands = len(cut) < len(observation.vehicles)
         self._flight.landing_end = t + self._flight.order(Act.LAND, observation).duration if lands else t

@@ -34,7 +34,7 @@ class SetpointStream:
             return
         moved = float(np.nan_to_num(np.linalg.norm(setpoint_pos - last, axis=-1)).max(initial=0.0))
         if moved > self._step_max:
-            self._fault = f"a setpoint jumped by {moved:.2f} m: {self._step_max:.2f} m is the maximum"
+            self._fault = f"a setpoint jumped by {moved:.2f} m (maximum {self._step_max:.2f} m)"
 
     def start(self, t: float) -> None:
         """Start the stream at time t [s]; a fault of the last one counts no more."""

@@ -48,7 +48,7 @@ def _transit(flight: ActiveFlight, observation: Observation, t: float) -> None:
     elif not setpoints_rest(observation, flight.params):
         state.moving(t)
     elif state.late(0.0, t):
-        why = off if arrived else "the setpoints rest elsewhere than at the first points"
+        why = off if arrived else "the setpoints rest away from the first points"
         then = "call land again to land where they are" if flight.lands_after_transit else "holding"
         state.answer(granted=False, reason=f"transit failed: {why}; {then}")
         state.enter(Step.HOLD, t, why)

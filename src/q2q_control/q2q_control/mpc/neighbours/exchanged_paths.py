@@ -64,23 +64,23 @@ class PredictedPaths:
     def __post_init__(self) -> None:
         """Refuse what cannot be interpolated."""
         if len(self.names) > MOST_VEHICLES:
-            raise ValueError(f"prediction of {len(self.names)} vehicles; at most {MOST_VEHICLES} are allowed")
+            raise ValueError(f"prediction of {len(self.names)} vehicles; must be at most {MOST_VEHICLES}")
         shape = self.pos.shape
         fits = len(shape) == 3 and shape[0] == len(self.names) and shape[2] == 3
         if not (fits and 2 <= shape[1] <= MOST_POSITIONS):
             raise ValueError(
-                f"positions {shape} of {len(self.names)} vehicles: (n, 2 to {MOST_POSITIONS}, 3) is expected"
+                f"positions {shape} of {len(self.names)} vehicles; must be (n, 2 to {MOST_POSITIONS}, 3)"
             )
         if not (LEAST_STEP <= self.step < np.inf and abs(self.start - self.t) <= MOST_AHEAD):
             raise ValueError(
-                f"t {self.t:g}, start {self.start:g}, step {self.step:g} s: allowed is a start within "
-                f"{MOST_AHEAD:g} s of t, and a finite step of {LEAST_STEP:g} s or more"
+                f"t {self.t:g}, start {self.start:g}, step {self.step:g} s; start must be within "
+                f"{MOST_AHEAD:g} s of t, and step finite and at least {LEAST_STEP:g} s"
             )
         if not np.isfinite(self.pos).all():
             raise ValueError(f"prediction of {listed(self.names)} is not finite: send finite positions")
         check_unique(self.names)
         if np.abs(self.pos).max() >= FAR:
-            raise ValueError(f"prediction of {listed(self.names)}: positions within {FAR:g} m are allowed")
+            raise ValueError(f"prediction of {listed(self.names)}: positions must be within {FAR:g} m")
 
 
 class ReceivedPath(NamedTuple):

@@ -203,7 +203,7 @@ class CflibLink:
         try:
             self._crazyflie.log.add_config(config)
         except KeyError as absent:
-            missing = f"it does not log what {name} needs ({absent.args[0]}): update it"
+            missing = f"it does not log the variables that {name} needs ({absent.args[0]}): update it"
             self._known.not_logged = self._known.not_logged or missing
             return
         config.data_received_cb.add_callback(lambda _, data, __: take(data))

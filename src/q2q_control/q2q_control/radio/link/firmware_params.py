@@ -40,7 +40,7 @@ def firmware_params(
     params = {**(POSE_STD if poses else {}), **(of_file or {}), CONTROLLER: FLOWN_BY[mode]}
     for entry in entries:
         name, _, value = entry.partition("=")
-        expected = f"firmware_params: {entry!r}: group.name=value is expected"
+        expected = f"firmware_params: {entry!r}; must be group.name=value"
         if not all(name.strip().partition(".")):
             raise ValueError(expected)
         try:
@@ -68,7 +68,7 @@ def left_out_lines(
         same = {flown_by, required_with_app({CONTROLLER: flown_by}, {APP})[CONTROLLER]}
         if of_file.get(CONTROLLER, flown_by) not in same:
             vehicles[flown_by].append(f"{_text(of_file[CONTROLLER])} of {name}")
-    left_out = f"{CONTROLLER} of crazyflies is left out"
+    left_out = f"{CONTROLLER} of crazyflies is ignored"
     why = "by the mode, or by the parameter firmware_params, which overrides both"
     return [f"{left_out} ({listed(some)}): {_text(one)} is set, {why}" for one, some in vehicles.items()]
 

@@ -74,4 +74,4 @@ class Mailbox:
     def _log_once(self, error: Exception) -> None:
         if type(error) not in self._reported:
             self._reported.add(type(error))
-            self._log.append(f"a packet was not sent: {error!r} (further errors of this kind are not logged)")
+            self._log.append(f"packet not sent: {error!r} (further errors of this type are not logged)")

@@ -53,5 +53,6 @@ class RadioPilotParams:
         if not level <= land <= stop:
             raise ValueError(
                 f"command_timeout_level_s {level}, command_timeout_land_s {land}, command_timeout_stop_s "
-                f"{stop}: each must be at least the one before"
+                f"{stop}; must satisfy command_timeout_level_s <= command_timeout_land_s <= "
+                "command_timeout_stop_s"
             )

@@ -117,7 +117,7 @@ class RadioPilot:
         """Cut and lock the motors of these vehicles, which are commanded CUT, if they fly."""
         for name in names:
             if name in self._vehicles and self._vehicles[name].air_phase in AIRBORNE:
-                self._log.append(f"{name} is commanded CUT: motors stopped")
+                self._log.append(f"{name} received CUT: motors stopped")
                 self._vehicles[name].cut(t)
 
     def watch(self, t: float) -> None:
@@ -168,7 +168,7 @@ class RadioPilot:
         if not offline:
             return Reply(granted=True)
         stopped = [name for name in self._vehicles if name not in offline]
-        missed = f"{listed(offline)} not reached: motors are stopped once radio has reconnected"
+        missed = f"{listed(offline)} not reached: motors will be stopped when radio reconnects"
         done = f"; motors of {listed(stopped)} stopped; restart the vehicles" if stopped else ""
         return Reply(granted=False, reason=missed + done)
 
@@ -178,7 +178,7 @@ class RadioPilot:
         armed = [name for name, one in self._vehicles.items() if one.armed]
         if armed and t - self._ordered < self._params.arm_s:
             return None
-        reason = f"{listed(armed)} armed again: the build arms itself" if armed else ""
+        reason = f"{listed(armed)} armed again: their firmware arms itself" if armed else ""
         return Reply(granted=not armed, reason=reason)
 
     def _in_the_air(self, *phases: Phase) -> list[VehiclePilot]:

@@ -215,8 +215,8 @@ class VehiclePilot:
             self._link.send_rpyt(replace(self._hover, pwm=round(share * self._hover.pwm)))
         else:
             self._log(
-                f"{self._name} has no command for {limits.command_timeout_stop_s} s and descended without "
-                "feedback"
+                f"{self._name} has no command for {limits.command_timeout_stop_s} s and has descended "
+                "without measurements"
             )
             self.cut(t)
 

@@ -24,9 +24,9 @@ CUT_AGAIN_S = 2.0
 """Connected time for which a cut of the motors is sent again until the vehicle is locked [s]."""
 AIRBORNE = frozenset({Phase.CLIMBING, Phase.FLYING, Phase.LANDING})
 ON_BOARD = {
-    Phase.CLIMBING: "its high-level commander hovers on",
+    Phase.CLIMBING: "its high-level commander keeps hovering",
     Phase.FLYING: "its firmware levels out, then cuts its motors",
-    Phase.LANDING: "its high-level commander lands on",
+    Phase.LANDING: "its high-level commander keeps landing",
 }
 """What a vehicle does whose link is lost in a phase."""
 

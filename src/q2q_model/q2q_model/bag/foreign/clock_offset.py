@@ -59,7 +59,8 @@ def clock_remarks(source: Source, channels: Mapping[str, Channel], topic_map: To
             side = "ahead of" if ahead_s > 0.0 else "behind"
             yield (
                 f"stamps of {topic} are {1e3 * abs(ahead_s):.0f} ms {side} those of {first} that were "
-                "received at the same time; if they are of two clocks, add `stamps: receive` to the topic map"
+                "received at the same time; if they come from two clocks, add `stamps: receive` to the "
+                "topic map"
             )
 
 

@@ -29,7 +29,7 @@ def check_frames(source: Source, channels: Mapping[str, Channel], topic_map: Top
         f"{topic} in {' and '.join(first_of(found, MOST))}" for topic, found in of_topic.items() if found
     ]
     raise BagError(
-        f"bag {source.path}: poses and references are of {len(frames)} frames: "
+        f"bag {source.path}: poses and references are in {len(frames)} frames: "
         f"{', '.join(first_of(where, MOST))}; map topics of one frame, or, if these are names of one, list "
         "them under `frames` in the topic map"
     )

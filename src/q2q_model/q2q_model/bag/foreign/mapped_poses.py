@@ -37,7 +37,7 @@ def _tracks(
             twice.update(given_twice(name for name, _ in found))
             for name, row in _once(found):
                 named.setdefault(name, []).append(row)
-    remarks = [f"{n} messages of {topic_map.poses} name {name} twice: left out" for name, n in twice.items()]
+    remarks = [f"{n} messages of {topic_map.poses} name {name} twice: ignored" for name, n in twice.items()]
     _check_names(source, topic_map, list(named), remarks)
     rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
     if not rows:
@@ -59,7 +59,7 @@ def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str], rema
     absent = [name for name in topic_map.rename if name not in named]
     if absent:
         names = ", ".join(named) or ("none" if topic_map.poses else "none, as the topic map has no poses")
-        never = f"rename has {', '.join(absent)}, and poses of it are never there; names are {names}"
+        never = f"rename has {', '.join(absent)}, which have no poses; names are {names}"
         raise BagError("; ".join([f"bag {source.path}: {never}", *remarks]))
     sources = dict(topic_map.vehicles)
     for name in named:

@@ -48,7 +48,9 @@ def pose_frames(tracks: Mapping[str, Poses], tolerance_s: float) -> tuple[list[M
         rows[vehicle] = nearest_rows(ticks, track.t, tolerance_s)
         lost = len(track.t) - np.count_nonzero(rows[vehicle] >= 0)
         if track.back > 0.0:
-            repairs.append(f"stamps of poses of {vehicle} go back by up to {track.back:.3f} s: sorted")
+            repairs.append(
+                f"stamps of poses of {vehicle} go back by up to {track.back:.3f} s: sorted by time"
+            )
         if repeated := len(tracks[vehicle].t) - len(track.t):
             repairs.append(f"{counted(repeated, 'repeated stamp')} of poses of {vehicle}: the last is used")
         if lost:
@@ -120,7 +122,7 @@ def clock_set_back(t: Array) -> str:
     before = old[old <= doubled[0]]
     row = before[np.append(True, np.diff(before) > 1)][-1]
     steps = f"after {row} of {len(t)}, their stamps go back from {t[row - 1]:.3f} to {t[row]:.3f} s"
-    return f"{steps}: the clock was set back, and two flights would be mixed; split the bag there"
+    return f"{steps}: the clock was set back, which would mix two flights; split the bag there"
 
 
 def _are_among(t: Array, rows: Rows) -> Mask:

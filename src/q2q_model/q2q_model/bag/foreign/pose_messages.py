@@ -51,7 +51,7 @@ def message_poses(
     if kind not in known:
         hint = f"; {kind} is read under poses" if kind in NAMED else ""
         raise BagError(
-            f"topic {channel.topic} holds {channel.type_name}, which is not read here; known are "
+            f"topic {channel.topic} holds {channel.type_name}, which cannot be read here; must be one of "
             f"{', '.join(known)}{hint}"
         )
     decode = _decoder(source, channel)
@@ -88,7 +88,7 @@ def _decoder(source: Source, channel: Channel) -> Callable[[RawMessage], object]
     store = _own_types(source, channel) if channel.definition else jazzy_types()
     if channel.type_name not in store.fielddefs:
         raise BagError(
-            f"bag {source.path} has no definition of {channel.type_name}, and it is not a common type"
+            f"bag {source.path} has no definition of {channel.type_name}, which is not a common type"
         )
     read = store.deserialize_ros1 if source.ros1 else store.deserialize_cdr
     return lambda message: read(message.data, message.type_name)

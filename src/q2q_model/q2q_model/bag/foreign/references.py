@@ -54,7 +54,9 @@ def with_references(flight: Flight, given: Mapping[str, References]) -> tuple[Fl
     remarks = []
     for vehicle, track in given.items():
         if vehicle not in flight.names:
-            raise ValueError(f"references of {vehicle}; vehicles are {', '.join(flight.names)}")
+            raise ValueError(
+                f"references of unknown vehicle {vehicle}; choose one of {', '.join(flight.names)}"
+            )
         if misfit := clock_mismatch(f"references of {vehicle}", track.t, flight.t, HELD_S):
             raise ValueError(misfit)
         row, end = np.searchsorted(track.t, flight.t, side="right") - 1, _end(track)

@@ -56,20 +56,20 @@ class TopicMap:
     def __post_init__(self) -> None:
         """Raise ValueError, with what is allowed, if nothing, no topic of q2q, or a topic twice is mapped."""
         if not 0.0 <= self.tolerance_s <= 1.0:
-            raise ValueError(f"tolerance_s = {self.tolerance_s}: must be 0 to 1 s")
+            raise ValueError(f"tolerance_s = {self.tolerance_s}; must be in [0, 1] s")
         for topic in self.signals:
             if topic not in TICK_TOPICS:
                 raise ValueError(f"signals: q2q has no topic {topic!r}; {name_hint(topic, TICK_TOPICS)}")
         given = "vehicles" if self.vehicles else "poses" if self.poses else ""
         if given and "mocap" in self.signals:
             raise ValueError(
-                f"{given} and signals: mocap are both mapped; keep one of them: each gives the poses of all "
-                "vehicles and the ticks"
+                f"{given} and signals: mocap are both mapped; keep one of them, as each gives the poses of "
+                "all vehicles and the ticks"
             )
         if self.references and "reference" in self.signals:
             raise ValueError(
-                "references and signals: reference are both mapped; keep one of them: positions would be "
-                "those of one, velocities and accelerations those of the other"
+                "references and signals: reference are both mapped; keep one of them: positions would come "
+                "from one, velocities and accelerations from the other"
             )
         if not (self.vehicles or self.poses or self.signals):
             raise ValueError("it maps nothing; give vehicles, poses or signals")
@@ -77,7 +77,7 @@ class TopicMap:
             if len(keys) > 1:
                 raise ValueError(
                     f"topic {topic} is given for {' and '.join(first_of(keys, MOST_KEYS))}; give each its "
-                    "own: only `poses` has several vehicles in a topic"
+                    "own; only `poses` takes several vehicles from a topic"
                 )
 
     def _keys_of_topics(self) -> dict[str, list[str]]:

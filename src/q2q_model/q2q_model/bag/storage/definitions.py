@@ -33,7 +33,7 @@ def definition_of(type_name: str) -> tuple[str, str]:
     store = jazzy_types()
     if type_name not in store.fielddefs:
         ours = ", ".join(sorted(name for name in store.fielddefs if name.startswith(PACKAGE)))
-        raise BagError(f"no definition of message type {type_name!r}; known are common ROS types, {ours}")
+        raise BagError(f"no definition of message type {type_name!r}; must be a common ROS type, {ours}")
     return store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name)
 
 

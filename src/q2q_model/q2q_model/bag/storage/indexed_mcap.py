@@ -87,7 +87,7 @@ def messages_by_log_time(file: IndexedFile, topics: Collection[str]) -> Iterator
             yield from waiting[:ready]
             del waiting[:ready]
     if any(left.values()):
-        raise ValueError(f"{sum(left.values())} messages that the summary counts are not there")
+        raise ValueError(f"{sum(left.values())} messages counted in the summary are missing")
 
 
 def _count_before(waiting: list[Logged], later: list[int]) -> int:

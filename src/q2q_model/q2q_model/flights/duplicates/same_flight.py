@@ -9,7 +9,7 @@ from q2q_model.flights.duplicates.motion_windows import as_text, from_text, hold
 from q2q_model.flights.flight import Flight
 
 COPY_IN_FIT = "this flight is in the fit: not held out"
-IN_FIT = "a flight of this name is in the fit: not held out if it is this one"
+IN_FIT = "a flight of this name is in the fit: if it is this one, it is not held out"
 """Remark: a name alone may be a stranger's (`bag`), and so may one beside other contents."""
 
 

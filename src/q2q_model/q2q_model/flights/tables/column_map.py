@@ -129,7 +129,7 @@ def require_sources(chosen: ColumnMap, present: Collection[str], known: Collecti
     for ours, sources in chosen.items():
         if not any(one.name in present for one in sources):
             given = " or ".join(one.name for one in sources)
-            raise ValueError(f"{ours} of the column map: there is no {given}; {name_hint(given, known)}")
+            raise ValueError(f"{ours} of the column map: no column {given}; {name_hint(given, known)}")
 
 
 def _prefixes(columns: Collection[str], sources: Collection[str]) -> list[str]:

@@ -67,7 +67,7 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
     t = np.asarray(columns["t"], dtype=np.float64)
     if len(t) < 2:
-        raise ValueError(f"the table has {counted(len(t), 'row')}; a flight has 2 or more")
+        raise ValueError(f"the table has {counted(len(t), 'row')}; must be at least 2")
     late = np.flatnonzero(~(np.diff(t) > 0.0))
     if not t[0] >= 0.0 or len(late):
         row = int(late[0]) + 1 if len(late) else 0
@@ -94,11 +94,11 @@ def _check_units(table: FlightTable) -> None:
     """Raise ValueError for times, positions or angles that are not in s, m or rad, or no stamp can hold."""
     step = float(np.median(np.diff(table.t)))
     if step > LONGEST_STEP:
-        raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the maximum: is it in seconds?")
+        raise ValueError(f"t steps by {step:g} s (maximum {LONGEST_STEP:g} s): check that it is in seconds")
     if not table.t[-1] < END_S:
         raise ValueError(
-            f"t ends at {table.t[-1]:.10g} s, and stamps are below {END_S} s (32 bits): subtract the first t "
-            "from all"
+            f"t ends at {table.t[-1]:.10g} s, but stamps must be below {END_S} s (32 bits): subtract the "
+            "first t from all"
         )
     check_metres(table.names, table.vectors(POS))
     if table.has(REF):
@@ -114,8 +114,8 @@ def _check_radians(table: FlightTable) -> None:
         tilt = float(np.nanmax(np.abs(table.vectors(EULER[:2])[used[:, k], k]), initial=0.0))
         if tilt > np.pi:
             raise ValueError(
-                f"roll_rad and pitch_rad of {name} reach {tilt:g} and are its attitude: they must be "
-                "radians; a column map (bag_import --columns) scales degrees by 0.0174533"
+                f"roll_rad and pitch_rad of {name} reach {tilt:g}; must be in radians: a column map "
+                "(bag_import --columns) scales degrees by 0.0174533"
             )
 
 

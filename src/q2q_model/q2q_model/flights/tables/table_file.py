@@ -25,7 +25,7 @@ def read_columns(path: Path) -> Mapping[str, Array]:
     try:
         from pyarrow import ArrowException, csv, parquet
     except ImportError as missing:
-        raise ValueError(f"{path} is read by pyarrow, which is missing: `pip install pyarrow`") from missing
+        raise ValueError(f"{path} needs pyarrow, which is missing: `pip install pyarrow`") from missing
     try:
         table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
         _check_names(table.column_names)
@@ -36,7 +36,7 @@ def read_columns(path: Path) -> Mapping[str, Array]:
 
 def _check_names(columns: Sequence[str]) -> None:
     if twice := sorted(name for name, times in Counter(columns).items() if times > 1):
-        raise ValueError(f"it has these columns more than once: {', '.join(twice)}")
+        raise ValueError(f"duplicate columns {', '.join(twice)}")
 
 
 def _numbers(name: str, values: Collection[object]) -> Array:

@@ -81,6 +81,6 @@ def _refuse_vehicles(
         if name[-1].isdigit() or own:
             shown = ", ".join(f"{name}_{one}" for one in (*AXES, *own[:1]))
             raise ValueError(
-                f"{name} may be a vehicle, or a vector of another one: the table has {beside} and {shown}; "
+                f"{name} may be a vehicle or a vector of another one: the table has {beside} and {shown}; "
                 "rename the columns of one of them"
             )

@@ -34,8 +34,8 @@ LIKELY_S = 0.5
 ROUNDING = 1e-6
 """Share of a period that times are rounded by."""
 OWN_CLOCKS = (
-    f"first rows after {LIKELY_S:g} s are lost blocks, or, with enable-on-startup of the deck, clocks of the "
-    "vehicles' own: then they are not at one time"
+    f"first rows after {LIKELY_S:g} s mean lost blocks or, with enable-on-startup of the deck, separate "
+    "clocks of the vehicles: then they are not at one time"
 )
 ATTITUDE = ("stateEstimate.roll", "stateEstimate.pitch", "stateEstimate.yaw")
 """Degrees; the firmware's pitch is nose up: minus theta."""
@@ -61,10 +61,10 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
     begin, end = max(t[0] for t in clocks.values()), min(t[-1] for t in clocks.values())
     if end - begin > LONGEST_S:
         raise ValueError(
-            f"the logs span {end - begin:.0f} s, {LONGEST_S:.0f} s is the most: are time stamps damaged?"
+            f"the logs span {end - begin:.0f} s (maximum {LONGEST_S:.0f} s): time stamps may be damaged"
         )
     if end - begin < 1.0:
-        raise ValueError(f"the logs have {max(end - begin, 0.0):.2f} s in common: 1 s is the least")
+        raise ValueError(f"the logs have {max(end - begin, 0.0):.2f} s in common (minimum 1 s)")
     step = _step(min(_period(log.t) for log in logs.values()))
     first, last = np.ceil(begin / step - ROUNDING), np.floor(end / step + ROUNDING)
     t = step * np.arange(first, last + 1.0)

@@ -75,16 +75,16 @@ def usd_log(data: bytes, sources: ColumnMap = FIRMWARE) -> UsdLog:
         UsdLogError: the bytes are no log, or no row can be read.
     """
     if not is_usd_log(data):
-        raise UsdLogError("it does not begin as a log of a micro-SD deck does")
+        raise UsdLogError("it does not begin like a log of a micro-SD deck")
     try:
         t, rows, repairs, unread = _events(data, sources) if data[0] == MAGIC else _blocks(data)
     except (struct.error, ValueError, IndexError) as damage:
         raise UsdLogError(f"its header is damaged: {damage}") from damage
     rising = rising_rows(t)
     if len(rising) < len(t):
-        repairs.append(f"{counted(len(t) - len(rising), 'row')} whose time does not rise or is damaged")
+        repairs.append(f"{counted(len(t) - len(rising), 'row')} whose time does not increase or is damaged")
     if not len(rising):
-        raise UsdLogError("it holds no row")
+        raise UsdLogError("it has no rows")
     names = [name for name in rows.dtype.names or () if name != "tick"]
     values = {name: np.asarray(rows[name][rising], dtype=np.float64) for name in names}
     return UsdLog(t[rising], values, tuple(repairs), unread)
@@ -143,7 +143,7 @@ def _events(data: bytes, sources: ColumnMap) -> _Records:
     """Return the rows of version 1 or 2: those of one event type."""
     version, count = struct.unpack_from("<HH", data, 1)
     if version not in STAMPS:
-        raise ValueError(f"version {version}; known are 1 and 2")
+        raise ValueError(f"version {version}; must be 1 or 2")
     stamp, unit = STAMPS[version]
     kinds, at = {}, 5
     for _ in range(count):

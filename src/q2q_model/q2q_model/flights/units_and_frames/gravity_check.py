@@ -27,7 +27,7 @@ def gravity_note(t: Array, names: Names, az: Array) -> str:
     doubted = [f"{median:.2f} m/s^2 ({name})" for name, median in found.items() if _is_gravity(abs(median))]
     if not doubted:
         return ""
-    return f"az seems to have gravity in it, in g or m/s^2: 0 is expected, its median is {listed(doubted)}"
+    return f"az seems to include gravity, in g or m/s^2: its median must be near 0, but is {listed(doubted)}"
 
 
 def _is_gravity(reading: float) -> bool:

@@ -22,6 +22,6 @@ def check_metres(names: Names, pos: Array) -> None:
         reach = np.abs(finite).max(axis=1)
         if reach.size and np.median(reach) > pos_max:
             raise ValueError(
-                f"x, y, z of {name} reach {np.median(reach):g} in the median, {pos_max:g} m is the maximum: "
-                "are they in metres? A column map scales those of a table (bag_import --columns)"
+                f"x, y, z of {name} reach {np.median(reach):g} m in the median (maximum {pos_max:g} m): "
+                "check that they are in metres; a column map scales those of a table (bag_import --columns)"
             )

@@ -25,6 +25,6 @@ def y_up_reason(pos: Array) -> str:
     if z <= OUTLIERS or y > OUTLIERS:
         return ""
     return (
-        f"z is below {FLOOR:g} m in {z:.0%} of the positions and y in {y:.0%}: is y up? z must be up: a "
+        f"z is below {FLOOR:g} m in {z:.0%} of the positions and y in {y:.0%}: y may be up, but z must be: a "
         "column map turns the axes of a table (bag_import --columns)"
     )

@@ -24,8 +24,8 @@ def tilt_reason(flight: Flight) -> str:
         median = float(np.median(up[flies, i] if flies.any() else up[:, i]))
         if median < LEAST_UP:
             return (
-                f"body z of {name} points {median:.2f} upwards in the median, "
-                f"{LEAST_UP:g} or more is expected: are quaternions in the order x y z w, and is z up?"
+                f"body z of {name} points {median:.2f} upwards in the median (minimum {LEAST_UP:g}): check "
+                "that quaternions are in the order x y z w and that z is up"
             )
     return ""
 

@@ -123,7 +123,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     if system.target.size < FEWEST_ROWS:
         raise ValueError(
             f"{counted(system.target.size, 'row')} with thrust commands in "
-            f"{counted(len(records), 'flight')}, {FEWEST_ROWS} needed, at references with rates: "
+            f"{counted(len(records), 'flight')}, at references with rates; must be at least {FEWEST_ROWS}: "
             "record the topics command and reference, or fit the gains to trajectories"
         )
     terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]

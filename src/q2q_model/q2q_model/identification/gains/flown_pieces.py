@@ -58,7 +58,7 @@ def _holes_note(name: str, t: Array, seconds: Array, left_out: int) -> str:
     which = f"hole of {seconds[worst]:.1f} s at t = {t[worst]:.2f} s"
     several = f"{len(t)} holes, the longest a {which}" if len(t) > 1 else which
     short = f"; without {counted(left_out, 'piece')} shorter than {SHORTEST:g} s" if left_out else ""
-    return f"{name}: {several}, or a jump of the clock: nothing is inferred across it{short}"
+    return f"{name}: {several}, or a jump of the clock: data are not joined across it{short}"
 
 
 def common_rows(flight: Flight) -> slice:

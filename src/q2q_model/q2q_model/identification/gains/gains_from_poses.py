@@ -79,7 +79,7 @@ def _unshown(found: TrajectoryGains) -> str:
     if found.explained < EXPLAINED:
         return (
             f"{settles} explains {found.explained:.1%} of the deviation of vehicles from their references, "
-            f"in mean square where it moves them; {EXPLAINED:.0%} is the least"
+            f"in mean square where it moves them; the minimum is {EXPLAINED:.0%}"
         )
     for name, one in found.intervals:
         if name in SHOWN and not one.is_positive:

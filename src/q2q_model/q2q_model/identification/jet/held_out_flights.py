@@ -69,7 +69,7 @@ def held_out_scores(training: FlightSamples, further: FlightSamples) -> HeldOutS
     if len(known) < FEWEST_FLIGHTS:
         raise ValueError(
             f"{len(known)} of {len(training)} flights have a vehicle {GAPS[0]} to {GAPS[1]} m under another "
-            f"with a measured push; leaving one out needs {FEWEST_FLIGHTS}"
+            f"with a measured push; leaving one out needs at least {FEWEST_FLIGHTS}"
         )
     found = []
     for name, samples in known.items():

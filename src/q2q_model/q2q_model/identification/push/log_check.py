@@ -34,7 +34,7 @@ def log_notes(recordings: Sequence[Recording], vehicle: Vehicle) -> list[str]:
     return [
         (
             f"faz_est under other vehicles is {slope:.2f} times what accelerometer and command show, "
-            f"{SLOPES[0]:g} to {SLOPES[1]:g} is expected: is it in newtons, and positive upwards?"
+            f"expected {SLOPES[0]:g} to {SLOPES[1]:g}: check that it is in newtons and positive upwards"
         )
     ]
 

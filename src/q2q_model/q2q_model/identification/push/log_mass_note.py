@@ -26,9 +26,9 @@ def log_mass_notes(recordings: Sequence[Recording], vehicle: Vehicle) -> list[st
         )
     if wrong:
         notes.append(
-            f"{RATIO} of {counted(len(wrong), 'flight')} is {float(np.median(wrong)):.3g} kg, allowed is "
-            f"{LIGHTEST:g} to {HEAVIEST:g} times the mass of {vehicle.name}: {_assumed(vehicle)}; "
-            "are both in newtons, and is the accelerometer in m/s^2, az without gravity?"
+            f"{RATIO} of {counted(len(wrong), 'flight')} is {float(np.median(wrong)):.3g} kg, expected "
+            f"{LIGHTEST:g} to {HEAVIEST:g} times the mass of {vehicle.name}: {_assumed(vehicle)}; check that "
+            "both are in newtons and az is in m/s^2 without gravity"
         )
     return notes
 

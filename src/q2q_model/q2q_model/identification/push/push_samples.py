@@ -195,4 +195,4 @@ def _absent(record: PushRecord) -> Mask:
 def unmeasured_note(record: PushRecord) -> str:
     """Return a note on the vehicles without any measurement; empty if there is none."""
     never = [name for name, own in zip(record.names, record.measured.T, strict=True) if not own.any()]
-    return f"{record.name}: nothing was measured of {', '.join(never)}" if never else ""
+    return f"{record.name}: no measurements of {', '.join(never)}" if never else ""

@@ -103,9 +103,9 @@ def check_thrust(commanded: CommandedThrust, vehicle: Vehicle) -> None:
         if not LIGHTEST <= share <= HEAVIEST:
             raise ValueError(
                 f"flight {commanded.flight}: the median thrust of {name} in the air is "
-                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; allowed is "
-                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with --vehicle, and record commands "
-                "in newtons"
+                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; must be "
+                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with --vehicle and record commands in "
+                "newtons"
             )
 
 
@@ -123,7 +123,7 @@ def check_force(name: str, log: FlightLog, vehicle: Vehicle) -> None:
             raise ValueError(
                 f"flight {name}: faz_est of {of} varies by {most:.3g} N, "
                 f"{most / vehicle.hover_thrust:.3g} times the weight of {vehicle.name}; "
-                f"allowed is up to {MOST_FORCE:g} times: log it in newtons"
+                f"must be at most {MOST_FORCE:g} times: log it in newtons"
             )
 
 

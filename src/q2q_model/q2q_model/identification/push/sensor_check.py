@@ -66,7 +66,7 @@ def _shift_note(shifted: Sequence[_Agreement], count: int, vehicle: Vehicle) -> 
     return [
         (
             f"accelerometer less thrust / mass is {offset:.2f} m/s^2 in clear air for {len(shifted)} of "
-            f"{count} vehicles of flights, at most {MOST_OFFSET:.2f} is expected: {cause}"
+            f"{count} vehicles of flights, expected at most {MOST_OFFSET:.2f}: {cause}"
         )
     ]
 
@@ -101,8 +101,8 @@ def _scale_note(scaled: Sequence[tuple[float, float]], count: int) -> list[str]:
     return [
         (
             f"accelerometer over thrust / mass has a slope of {low:.2f} to {high:.2f} in clear air for "
-            f"{len(scaled)} of {count} vehicles of flights, {SLOPES[0]:g} to {SLOPES[1]:g} is expected: is "
-            "it in m/s^2, and thrust in newtons?"
+            f"{len(scaled)} of {count} vehicles of flights, expected {SLOPES[0]:g} to {SLOPES[1]:g}: check "
+            "that it is in m/s^2 and thrust in newtons"
         )
     ]
 

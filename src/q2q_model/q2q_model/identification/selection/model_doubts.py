@@ -57,7 +57,7 @@ def _doubts_of_gains(gains: GainFit, data: Sequence[IdentificationData]) -> list
     if known or any(one.pushes for one in data):
         return []
     return [
-        "the downwash is inferred by gains that these flights do not determine, and is no better known: "
+        "the downwash is inferred with gains that these flights do not determine, and is just as uncertain: "
         + MEASURED
     ]
 
@@ -65,11 +65,11 @@ def _doubts_of_gains(gains: GainFit, data: Sequence[IdentificationData]) -> list
 def _doubts_of_score(held_out: Score, flights: int) -> list[str]:
     share = held_out.r2.lower
     if flights < 2:
-        return ["no flight was left out: how well the model predicts others is not known; give two or more"]
-    if share is not None and share <= 0.0:
         return [
-            f"on flights left out the model is no better than none (R2 {share:.3f}): do not compensate by it"
+            "no flight was left out, so the model's accuracy on other flights is unknown: give two or more"
         ]
+    if share is not None and share <= 0.0:
+        return [f"on flights left out the model is no better than none (R2 {share:.3f}): do not use it"]
     return []
 
 
@@ -82,8 +82,8 @@ def _doubts_of_sign(model: InteractionModel, data: Sequence[IdentificationData])
     return [
         (
             "the model lifts vehicles that are under others, which downwash does not (on average of these "
-            f"flights {lift:.3g} m/s^2): do not compensate by it. Is z up, is the force in a log (faz_est) "
-            "positive upwards, and is the accelerometer 9.81 m/s^2 upwards at rest?"
+            f"flights {lift:.3g} m/s^2): do not compensate with it. Check that z is up, that the force in a "
+            "log (faz_est) is positive upwards, and that the accelerometer shows 9.81 m/s^2 upwards at rest"
         )
     ]
 
@@ -95,7 +95,7 @@ def _doubts_of_intervals(spread: Mapping[str, Interval], train: Score) -> list[s
         return [
             (
                 f"these flights do not show downwash (strength {strength.value:.3g} m/s^2 "
-                f"[{strength.low:.3g}, {strength.high:.3g}]): do not compensate by the model; fly more "
+                f"[{strength.low:.3g}, {strength.high:.3g}]): do not compensate with the model; fly more "
                 "passes of one vehicle under another"
             )
         ]

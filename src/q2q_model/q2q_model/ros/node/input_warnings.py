@@ -24,7 +24,7 @@ def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
     def unknown(names: Names) -> Names:
         return tuple(sorted(set(names) - set(vehicles))) if vehicles else ()
 
-    why = f"ignored: vehicles are {listed(vehicles)}"
+    why = f"ignored: the vehicles are {listed(vehicles)}"
     return _warn_once(node, topic, unknown, lambda _: why, MOST_WARNINGS)
 
 

@@ -100,7 +100,7 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
             return SetParametersResult(successful=False, reason=str(refusal))
         for name, value in overrides.items():
             if value != (before := getattr(current[0], name)):
-                node.get_logger().info(f"{prefix}{name} is {value} now, was {before}")
+                node.get_logger().info(f"{prefix}{name} changed from {before} to {value}")
         current[0] = asked
         return SetParametersResult(successful=True)
 
@@ -118,7 +118,7 @@ def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *
         value = node.declare_parameter(name, plain, _descriptor(spec, default)).value
     except InvalidParameterValueException as refusal:
         given = str(refusal).partition(" Reason")[0]
-        raise ValueError(f"parameter {name}: must be {spec.allowed}; {given}") from refusal
+        raise ValueError(f"parameter {name} must be {spec.allowed}; {given}") from refusal
     except InvalidParameterTypeException as refusal:
         raise ValueError(_wrong_type(node, name, default)) from refusal
     if value is not None:
@@ -136,7 +136,7 @@ def _wrong_type(node: Node, name: str, default: Any) -> str:  # noqa: ANN401
         example = list(default) or [str(one) for one in one_or_more if one != ""]
     elif isinstance(default, float) and given.type_ is Parameter.Type.INTEGER:
         example = float(given.value)
-    return f"parameter {name} = {given.value!r}: a value of another type is expected, such as {example!r}"
+    return f"parameter {name} = {given.value!r} has the wrong type; give a value like {example!r}"
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401

@@ -32,7 +32,7 @@ class TopicConflict:
         namesakes, too_many = len({*writers}) < len(writers), len(writers) > self._most
         if not (namesakes or too_many):
             return ""
-        may = f"{self._most} may" if too_many else "each must have a name and vehicles of its own"
+        may = f"{self._most} may" if too_many else "each needs its own name and vehicles"
         killed = "; one that was killed counts until DDS drops it" if namesakes else ""
         among = f"{len(writers)} nodes write it ({listed(writers)})"
         message = f"{self.topic}: {among}; {may}: stop the others{killed}"

@@ -33,7 +33,9 @@ def decode_trajectories(message: Plan) -> tuple[Trajectory, ...]:
     """Return the trajectory of each vehicle in a message; raise ValueError if one is not valid."""
     total = sum(message.pieces)
     if len(message.pieces) != len(message.names) or len(message.durations) != total:
-        raise BadMessageError(f"plan of {len(message.names)} vehicles: pieces and durations do not fit")
+        raise BadMessageError(
+            f"plan of {len(message.names)} vehicles: numbers of pieces and durations do not match"
+        )
     needed = total * AXES * message.order
     if len(message.coefficients) != needed:
         raise BadMessageError(f"plan has {len(message.coefficients)} coefficients; its pieces need {needed}")

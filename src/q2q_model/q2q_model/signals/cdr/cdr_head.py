@@ -31,7 +31,7 @@ def read_names(data: bytes | bytearray, frame: str) -> tuple[Names, int]:
     count_at = aligned(NAMES_AT + 4 + length, 4)
     (count,) = struct.unpack_from("<I", data, count_at)
     if count > MOST_VEHICLES:
-        raise BadMessageError(f"{count} names; at most {MOST_VEHICLES} are allowed")
+        raise BadMessageError(f"{count} names; must be at most {MOST_VEHICLES}")
     at = count_at + 4
     for _ in range(count):
         at = aligned(at, 4)
@@ -55,9 +55,7 @@ def _parsed_head(head: bytes, frame: str) -> Names:
             at += length
     frame_id, *names = texts
     if frame_id not in ("", frame):
-        raise BadMessageError(
-            f"frame_id {frame_id!r}; allowed is {frame!r}{', z up' if frame == WORLD else ''}"
-        )
+        raise BadMessageError(f"frame_id {frame_id!r}; must be {frame!r}{', z up' if frame == WORLD else ''}")
     if len(set(names)) < len(names):
         raise BadMessageError(f"duplicate vehicle names in {', '.join(names)}; names must be unique")
     return tuple(names)

@@ -88,7 +88,7 @@ class SignalReader(Generic[S]):
     def read(self, data: bytes | bytearray) -> S:
         """Return the signal in a serialized message; raise as `decode` does."""
         if data[:2] != ENCAPSULATION[:2]:
-            raise BadMessageError(f"encoding {data[:2].hex()}; allowed is plain CDR, little endian (0001)")
+            raise BadMessageError(f"encoding {data[:2].hex()}; must be plain CDR, little endian (0001)")
         known = self._map
         if known is None or not data.startswith(known.head, NAMES_AT):
             known = self._map = _map_of(self._kind, data)

@@ -25,10 +25,10 @@ class AvoidanceParams:
     def __post_init__(self) -> None:
         """Raise ValueError if a number is out of bounds, or `within` is no box."""
         if not all(map(isfinite, self.within)):
-            raise ValueError(f"AvoidanceParams.within = {self.within}: must be a finite number")
+            raise ValueError(f"AvoidanceParams.within = {self.within}; must be finite numbers")
         check_bounds(self)
         if self.walls is None and self.within:
-            raise ValueError(f"AvoidanceParams.within has {len(self.within)} numbers: give 6, or none")
+            raise ValueError(f"AvoidanceParams.within has {len(self.within)} numbers; must have 6 or none")
 
     @property
     def walls(self) -> Walls | None:

@@ -138,7 +138,7 @@ def _explanation(found: Sequence[Attempt], walls_are_why: Callable[[], bool]) ->
     first, second = proof.pair or ("", "")
     if proof.not_computed:
         tried = f"in any of {len(found)} initial guesses"
-        return f"no pair is proven to be kept apart, {tried}: {proof.not_computed}"
+        return f"no pair is proven to stay apart, {tried}: {proof.not_computed}"
     depth = f"{-proof.clearance:.3g} m inside each other's zone at t = {proof.t:.2f} s"
     if walls_are_why():
         best = f"in the best of {len(found)} initial guesses, and apart without walls"

@@ -45,7 +45,7 @@ def sample_swarm(plan: SwarmPlan, spaces: Sequence[DeviationSpace], t: Array) ->
     """
     most = MOST_ROWS // (len(spaces) * max(1, *(space.dimension for space in spaces)))
     if len(t) > most:
-        ways = f"the ways are too long for the radius of the zone: {len(t)} samples, allowed are {most}"
+        ways = f"the paths are too long for the radius of the zone: {len(t)} samples, maximum {most}"
         raise ValueError(f"{ways}; plan a part of the flight, or give a larger zone")
     rows = np.zeros((len(spaces), len(t), max(space.dimension for space in spaces)))
     for vehicle, space in enumerate(spaces):

@@ -41,8 +41,8 @@ def check_inside(swarm: Sequence[VehicleWaypoints], walls: Walls) -> None:
         if distance.min() <= 0.0:
             at = int(distance.argmin())
             where = f"is {-distance[at]:.3g} m beyond" if distance[at] < 0.0 else "lies on"
-            allowed = f"allowed is {walls}, walls excluded"
-            raise InfeasibleError(f"{vehicle.name}, waypoint {at} {where} a wall: {allowed}")
+            allowed = f"must be {walls}, walls excluded"
+            raise InfeasibleError(f"{vehicle.name}, waypoint {at} {where} a wall; {allowed}")
 
 
 def _held_together(swarm: Sequence[VehicleWaypoints]) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:

@@ -67,7 +67,9 @@ def certify(plan: SwarmPlan, zone: Zone, enough: float = -np.inf) -> Certificate
     hull, shared = zone_around(zone), shared_pieces(plan.trajectories)
     count = len(shared.durations) * len(plan.names) * (len(plan.names) - 1) // 2
     if count > MOST_STRETCHES:
-        words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
+        words = (
+            f"{len(shared.durations)} pieces of {len(plan.names)} vehicles have {count} stretches of pairs"
+        )
         return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
     stretches = _stretches(shared, hull, rounding)
     found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, hull), enough=enough)

@@ -40,7 +40,7 @@ def load_plan(path: Path) -> SwarmPlan:
     if not plan.certified:
         return plan
     if not plan.zone_profile:
-        warnings.warn(f"{path} does not have its zone: it is taken as not certified", stacklevel=2)
+        warnings.warn(f"{path} has no zone: treated as not certified", stacklevel=2)
         return replace(plan, certified=False)
     try:
         proof = certify(plan, zone_of_profile(plan.zone_profile))
@@ -50,7 +50,7 @@ def load_plan(path: Path) -> SwarmPlan:
         pair = " and ".join(proof.pair or ())
         proven = f"{pair} have a proven clearance of {proof.clearance:.3g} m at {proof.t:.2f} s"
         why = proof.not_computed or proven
-        raise ValueError(f"{path} states that it is certified, and is not: {why}; {plan_file.REMEDY}")
+        raise ValueError(f"{path} states that it is certified but is not: {why}; {plan_file.REMEDY}")
     return plan
 
 
@@ -61,7 +61,7 @@ def _check_continuous(plan: SwarmPlan, path: Path) -> None:
         words = ("position", "m"), ("velocity", "m/s"), ("yaw", "rad")
         for step, allowed, (what, unit) in zip(found, STEPS_MAX, words, strict=True):
             if not step <= allowed:
-                bound = f"allowed is {allowed:g} {unit}; {plan_file.REMEDY}"
+                bound = f"maximum {allowed:g} {unit}; {plan_file.REMEDY}"
                 raise ValueError(f"{path}: the {what} of {name} jumps by {step:.3g} {unit}, {bound}")
 
 

@@ -74,7 +74,7 @@ def _check_thrust(
     thrust = vehicle.mass * (peak.value + reserve)
     if thrust > vehicle.rpyt_thrust_max:
         most = f"{vehicle.name} has at most {vehicle.rpyt_thrust_max:.3g} N"
-        needs = f"needs {thrust:.3g} N of thrust, {most}; allow more time"
+        needs = f"needs {thrust:.3g} N of thrust, but {most}; allow more time"
         raise NotFlyableError(f"{_place(waypoints, peak.t)}: {needs}")
 
 
@@ -85,14 +85,14 @@ def _check_fall(least: UpwardThrust, waypoints: VehicleWaypoints) -> None:
 
 def _check_tilt(peak: Peak, waypoints: VehicleWaypoints, tilt_max: float) -> None:
     if peak.value > tilt_max * (1.0 + ROUNDING):
-        tilts = f"tilts by {peak.value:.3g} rad, controllers do by at most {tilt_max:g} rad"
+        tilts = f"tilts by {peak.value:.3g} rad, but controllers by at most {tilt_max:g} rad"
         raise NotFlyableError(f"{_place(waypoints, peak.t)}: {tilts}; allow more time")
 
 
 def _check_yaw_rate(peak: Peak, waypoints: VehicleWaypoints) -> None:
     if peak.value > YAW_RATE_MAX * (1.0 + ROUNDING):
-        turns = f"turns at {peak.value:.3g} rad/s, allowed is {YAW_RATE_MAX:g} rad/s"
-        yaw = "yaw is in radians and not wrapped: 0 to 6.28 is a full turn"
+        turns = f"turns at {peak.value:.3g} rad/s, maximum {YAW_RATE_MAX:g} rad/s"
+        yaw = "yaw is in radians and not wrapped, so 0 to 6.28 is a full turn"
         raise NotFlyableError(f"{_place(waypoints, peak.t)}: {turns}; allow more time, or turn less ({yaw})")
 
 

@@ -120,7 +120,9 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
     """
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
     if spare <= 0.0:
-        raise ValueError(f"{vehicle.name}: {vehicle.rpyt_thrust_max} N does not carry {vehicle.mass} kg")
+        raise ValueError(
+            f"{vehicle.name}: a thrust of {vehicle.rpyt_thrust_max} N does not lift {vehicle.mass} kg"
+        )
     fall = (1.0 - LEAST_THRUST) * GRAVITY
     return replace(limits, acceleration=min(limits.acceleration, spare, fall, GRAVITY * sin(limits.tilt)))
 
@@ -135,7 +137,9 @@ def allocate_times(
     """
     spans = _least_spans(points, limits)
     if not spans.all():
-        still = f"{name}, waypoint {int(spans.argmin()) + 1}: pos and yaw are those of the one before it"
+        still = (
+            f"{name}, waypoint {int(spans.argmin()) + 1}: pos and yaw equal those of the previous waypoint"
+        )
         raise ValueError(f"{still}: leave it out, or give all waypoints a t [s] that says how long it hovers")
     vehicle = _timed(name, points, np.maximum(spans, TIME_STEP))
     while (slower := _excess(minimum_snap(vehicle, reading), limits)) > 1.0 + ROUNDING:

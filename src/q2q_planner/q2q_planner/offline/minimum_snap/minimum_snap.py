@@ -60,7 +60,7 @@ def minimum_snap(vehicle: VehicleWaypoints, reading: Reading = "stop_and_go") ->
         nodes = [_nodes(points[:, a], durations, half, reading) for a, half in _GROUPS]
     except np.linalg.LinAlgError as error:
         spans = f"times between waypoints from {durations.min():g} to {durations.max():g} s"
-        advice = "give more even ones, or the reading stop_and_go"
+        advice = "give more even times, or the reading stop_and_go"
         raise ValueError(f"{vehicle.name}: {spans} are too unequal for the reading free: {advice}") from error
     pos, yaw = (pieces_from_nodes(one, durations) for one in nodes)
     coefficients = np.zeros((len(durations), AXES, 2 * POSITION_HALF))

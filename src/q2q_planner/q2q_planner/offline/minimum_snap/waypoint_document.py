@@ -89,6 +89,6 @@ def _check_turns(name: str, rows: Sequence[_Row]) -> None:
     for index, (before, after) in enumerate(pairwise(rows), start=1):
         if abs(after.yaw - before.yaw) > tau + ROUNDED:
             raise ValueError(
-                f"{name}, waypoint {index}: yaw {after.yaw:g} rad is {abs(after.yaw - before.yaw):g} rad from"
-                " the one before, allowed is one turn (6.283): give radians, or waypoints in between"
+                f"{name}, waypoint {index}: yaw {after.yaw:g} rad is {abs(after.yaw - before.yaw):g} rad "
+                "from the previous one, maximum one turn (6.283): give radians, or waypoints in between"
             )

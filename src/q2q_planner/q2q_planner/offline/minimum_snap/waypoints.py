@@ -47,7 +47,7 @@ class VehicleWaypoints:
             ValueError: naming vehicle, waypoint, value and bound.
         """
         if len(self.waypoints) < 2:
-            raise ValueError(f"{self.name}: {len(self.waypoints)} waypoint(s) given, at least 2 are needed")
+            raise ValueError(f"{self.name}: {len(self.waypoints)} waypoint(s) given; must be at least 2")
         for index, waypoint in enumerate(self.waypoints):
             _check_finite(f"{self.name}, waypoint {index}", waypoint)
         for index, (before, after) in enumerate(pairwise(self.waypoints), start=1):
@@ -77,7 +77,7 @@ def check_swarm(swarm: Sequence[VehicleWaypoints]) -> None:
         ValueError: naming the vehicle and what is allowed.
     """
     if not swarm:
-        raise ValueError("no vehicle given: a plan needs at least 1")
+        raise ValueError("no vehicle given; must be at least 1")
     names = [vehicle.name for vehicle in swarm]
     for name in names:
         if names.count(name) > 1:
@@ -86,7 +86,7 @@ def check_swarm(swarm: Sequence[VehicleWaypoints]) -> None:
         first = vehicle.waypoints[0].t
         if first != 0.0:
             raise ValueError(
-                f"{vehicle.name}, waypoint 0: t = {first} s, the first waypoint must be at t = 0 s"
+                f"{vehicle.name}, waypoint 0: t = {first} s; the first waypoint must be at t = 0 s"
             )
 
 
@@ -99,19 +99,19 @@ def _check_finite(where: str, waypoint: Waypoint) -> None:
     )
     for symbol, value, most in named:
         if not isfinite(value):
-            raise ValueError(f"{where}: {symbol} = {value}, a finite number is needed")
+            raise ValueError(f"{where}: {symbol} = {value}; must be a finite number")
         if abs(value) > most:
-            raise ValueError(f"{where}: {symbol} = {value:g}, allowed is -{most:g} to {most:g}")
+            raise ValueError(f"{where}: {symbol} = {value:g}; must be in [-{most:g}, {most:g}]")
 
 
 def _check_rising(where: str, before: float, after: float) -> None:
     if after == before:
-        raise ValueError(f"{where}: t = {after} s coincides with the waypoint before it; times must rise")
+        raise ValueError(f"{where}: t = {after} s coincides with the previous waypoint; times must increase")
     if after < before:
         raise ValueError(
-            f"{where}: t = {after} s is before the previous waypoint's {before} s; times must rise"
+            f"{where}: t = {after} s is before the previous waypoint's {before} s; times must increase"
         )
     if after - before < SHORTEST_PIECE:
         raise ValueError(
-            f"{where}: {after - before} s after the previous one, at least {SHORTEST_PIECE} s is needed"
+            f"{where}: {after - before} s after the previous one; must be at least {SHORTEST_PIECE} s"
         )

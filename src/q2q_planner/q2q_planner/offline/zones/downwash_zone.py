@@ -53,7 +53,7 @@ class LearnedDownwash:
     def __post_init__(self) -> None:
         """Raise ValueError if the share is out of bounds."""
         if not 0.0 < self.cut < 1.0:
-            raise ValueError(f"cut = {self.cut}: must be 0 to 1, both excluded")
+            raise ValueError(f"cut = {self.cut}; must be above 0 and below 1")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +79,7 @@ class DownwashPlan:
         if (self.after > HARMLESS).any():
             return f"avoids {100.0 * self.cut:.1f} % of the predicted height error"
         left, free = 1e3 * self.after.max(), 1e3 * self.before.max()
-        return f"leaves a predicted height error of at most {left:.2g} mm, of {free:.2g} mm without avoidance"
+        return f"leaves a predicted height error of at most {left:.2g} mm ({free:.2g} mm without avoidance)"
 
 
 def avoid_downwash(

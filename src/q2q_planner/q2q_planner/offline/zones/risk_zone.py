@@ -54,7 +54,7 @@ class RiskTube:
         for name in ("horizontal", "vertical", "risk"):
             value, most = getattr(self, name), 0.5 if name == "risk" else 2.0
             if not 0.0 <= value <= most:
-                raise ValueError(f"tube: {name} = {value:g}: must be 0 to {most:g}")
+                raise ValueError(f"tube: {name} = {value:g}; must be in [0, {most:g}]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,10 +77,10 @@ class RiskParams:
             ("touch", self.touch, 5.0),
         ):
             if not 0.0 < value <= most:
-                raise ValueError(f"{name} = {value:g}: must be 0 to {most:g}, 0 excluded")
+                raise ValueError(f"{name} = {value:g}; must be in (0, {most:g}]")
         if not self.tube.risk < self.alpha:
             taken = f"the tube alone is left with probability {self.tube.risk:g}"
-            raise ValueError(f"risk = {self.alpha:g}: {taken}; allow more risk, or give a tube of less")
+            raise ValueError(f"risk = {self.alpha:g}: {taken}; allow more risk, or give a tube with less")
 
 
 def largest_push(params: RiskParams, residual: ResidualProcess) -> float:

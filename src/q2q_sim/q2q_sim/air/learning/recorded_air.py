@@ -48,8 +48,8 @@ def recorded_air(name: str) -> RoomAir:
     played = recorded_residual(records, room)
     if len(played) < SHORTEST:
         raise AirError(
-            f"air {name}: {len(played)} samples of its flights lie under another vehicle: {SHORTEST} or more "
-            "are needed, give more flights"
+            f"air {name}: {len(played)} samples of its flights lie under another vehicle; must be at least "
+            f"{SHORTEST}: give more flights"
         )
     return replace(room, residual=replace(_process(room), recording=played))
 
@@ -57,7 +57,7 @@ def recorded_air(name: str) -> RoomAir:
 def recorded_residual(records: Sequence[AirRecord], room: RoomAir) -> Array:
     """Return n of flights at RECORDED_HZ, (k,); empty if no vehicle is long enough under another."""
     if room.jet is None:
-        raise AirError(f"air {ROOM} has no jet, whose residual flights could show")
+        raise AirError(f"air {ROOM} has no jet, so flights show no residual of it")
     process = _process(room)
     pieces = [
         piece
@@ -76,7 +76,7 @@ def recorded_residual(records: Sequence[AirRecord], room: RoomAir) -> Array:
 
 def _process(room: RoomAir) -> ResidualTerm:
     if room.residual is None:
-        raise AirError(f"air {ROOM} has no residual, whose size recorded ones could have")
+        raise AirError(f"air {ROOM} has no residual to give the size of recorded ones")
     return room.residual
 
 

@@ -31,7 +31,7 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
         return without_terms(recorded_air(name), off)
     if name in LAWS or OWN.fullmatch(name):
         if off:
-            raise AirError(f"air {name} has no terms that could be switched off ({', '.join(off)})")
+            raise AirError(f"air {name} has no terms to switch off ({', '.join(off)})")
         return wake_by_name(name) if name in LAWS else _own(name)
     return without_terms(synthetic_air(name) if name in SYNTHETIC else load(air_path(name)), off)
 

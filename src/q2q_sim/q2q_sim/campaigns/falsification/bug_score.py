@@ -49,7 +49,7 @@ def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
 
 def unscored(number: int) -> BugScore:
     """Raise ChildProcessError: a process died, which says nothing about the search."""
-    raise ChildProcessError(f"the process that sought {SEEDED_BUGS[number].name} died: run again")
+    raise ChildProcessError(f"the process that searched for {SEEDED_BUGS[number].name} died: run again")
 
 
 def _first(flown: Iterator[tuple[Run, CandidateFlight]], runs: int) -> int:

@@ -104,12 +104,13 @@ def print_totals(total: dict[str, object]) -> None:
     print(f"violations: {total['violations']} in {total['runs']} runs")
     if total["thrust_exceeded"]:
         print(
-            f"in {total['thrust_exceeded']} of them a vehicle had too little thrust, and was not judged then"
+            f"in {total['thrust_exceeded']} of them a vehicle had too little thrust and was not judged "
+            "meanwhile"
         )
     if total["unpredicted_downwash"]:
         print(
-            f"in {total['unpredicted_downwash']} of them a vehicle without measurements met a downwash that "
-            "nothing could predict, and was not judged then"
+            f"in {total['unpredicted_downwash']} of them a vehicle without measurements met an unpredictable "
+            "downwash and was not judged meanwhile"
         )
     cases = total["cases"]
     for case in cases if isinstance(cases, list) else ():

@@ -40,7 +40,7 @@ def from_document(document: Mapping[str, object]) -> RunOutcome:
     try:
         violations = document["violations"]
         if not isinstance(violations, Sequence):
-            raise ValueError(f"violations = {violations!r}: a list is expected")  # noqa: TRY004  a bad document
+            raise ValueError(f"violations = {violations!r}; must be a list")  # noqa: TRY004  a bad document
         found = tuple(Violation(**one) for one in violations)
         if unknown := {one.policy for one in found} - {*NAMES}:
             raise ValueError(f"unknown policy {min(unknown)!r}; choose one of {', '.join(NAMES)}")

@@ -29,9 +29,7 @@ def cppm_setpoint(data: bytes, parameters: Parameters) -> Setpoint:
     further = byte(data, 0) & 0x0F
     needed = 1 + _CHANNELS.size + further * _SWITCH.size
     if further > MOST_FURTHER or len(data) != needed:
-        raise MalformedError(
-            f"{len(data)} bytes; {needed} are needed for {further} of {MOST_FURTHER} channels"
-        )
+        raise MalformedError(f"{len(data)} bytes; must be {needed} for {further} of {MOST_FURTHER} channels")
     roll, pitch, yaw, thrust = read_fields(_CHANNELS, data, 1)
     by_angle = further == 0 or read_fields(_SWITCH, data, 1 + _CHANNELS.size)[0] >= MIDDLE
     kind, mode = ("ang", Mode.ABS) if by_angle else ("rate", Mode.VELOCITY)

@@ -13,15 +13,15 @@ def read_fields(layout: Struct, data: bytes, at: int = 0) -> tuple[float, ...]:
         MalformedError: the data end before the layout does, or a number is not finite.
     """
     if len(data) < at + layout.size:
-        raise MalformedError(f"{len(data)} bytes; {at + layout.size} are needed")
+        raise MalformedError(f"{len(data)} bytes; must be at least {at + layout.size}")
     numbers: tuple[float, ...] = layout.unpack_from(data, at)
     if not all(math.isfinite(number) for number in numbers):
-        raise MalformedError(f"{numbers}: all must be finite")
+        raise MalformedError(f"{numbers}; must be finite")
     return numbers
 
 
 def byte(data: bytes, at: int) -> int:
     """Return one byte; raise MalformedError if the data end before it."""
     if len(data) <= at:
-        raise MalformedError(f"{len(data)} bytes; {at + 1} are needed")
+        raise MalformedError(f"{len(data)} bytes; must be at least {at + 1}")
     return data[at]

@@ -55,14 +55,16 @@ class Packet:
 def packet_of(datagram: bytes) -> Packet:
     """Return the packet in a datagram; raise MalformedError if there is none."""
     if not 1 <= len(datagram) <= 1 + MAX_DATA:
-        raise MalformedError(f"datagram of {len(datagram)} bytes: 1 to {1 + MAX_DATA} are allowed")
+        raise MalformedError(f"datagram of {len(datagram)} bytes; must be 1 to {1 + MAX_DATA}")
     return Packet(datagram[0] >> 4, datagram[0] & 0x03, datagram[1:])
 
 
 def datagram_of(packet: Packet) -> bytes:
     """Return the datagram of a packet; raise ValueError if it is too long."""
     if len(packet.data) > MAX_DATA:
-        raise ValueError(f"packet of {len(packet.data)} bytes on port {packet.port}: {MAX_DATA} are allowed")
+        raise ValueError(
+            f"packet of {len(packet.data)} bytes on port {packet.port}; must be at most {MAX_DATA}"
+        )
     return bytes([packet.port << 4 | 0x0C | packet.channel]) + packet.data
 
 

@@ -46,7 +46,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
 def _set_by_name(firmware: Firmware, data: bytes) -> bytes:
     parts = data[1:].split(b"\0", 2)
     if len(parts) < 3:
-        raise MalformedError("set by name: group, 0, name, 0, type and value are needed")
+        raise MalformedError("set by name: must be group, 0, name, 0, type and value")
     group, name, rest = parts
     one = _BY_NAME.get(f"{group.decode('latin-1')}.{name.decode('latin-1')}")
     error = ENOENT

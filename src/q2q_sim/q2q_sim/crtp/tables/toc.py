@@ -37,7 +37,7 @@ class TocEntry:
     def __post_init__(self) -> None:
         """Check that the names fit into one packet."""
         if 4 + len(self.group) + len(self.name) + 2 > MAX_DATA:
-            raise ValueError(f"{self.group}.{self.name}: {MAX_DATA - 6} letters are allowed in all")
+            raise ValueError(f"{self.group}.{self.name}; must have at most {MAX_DATA - 6} letters")
 
 
 class Toc:

@@ -115,6 +115,6 @@ def _tables(family: str) -> list[Path]:
     if not found:
         raise ValueError(
             f"no recorded flights {family} in {folder}: get those of docs/real_flights.md and set Q2Q_DATA "
-            f"to the folder of {FLIGHTS}/, or begin from the numbers of docs/ablation.json"
+            f"to the folder of {FLIGHTS}/, or start from the numbers of docs/ablation.json"
         )
     return found

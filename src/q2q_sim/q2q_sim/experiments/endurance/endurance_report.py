@@ -34,7 +34,7 @@ def measured_growths(flight: LongFlight) -> list[Growth]:
     """Return the growth of every quantity; raise ValueError for a flight of fewer than two samples."""
     samples = flight.samples
     if len(samples) < 2:
-        raise ValueError(f"{counted(len(samples), 'sample')}: at least 2 are needed; fly longer")
+        raise ValueError(f"{counted(len(samples), 'sample')}; must be at least 2; fly longer")
     t = np.array([one.flown for one in samples])
     found = []
     for name in samples[0].usage:

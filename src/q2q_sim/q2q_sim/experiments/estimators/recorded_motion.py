@@ -116,8 +116,8 @@ def _dense_poses(flight: Flight) -> _DensePoses:
     high = pos[:, 2] > pos[0, 2] + FLOOR
     if high.sum() < SHORTEST / DT:
         raise ValueError(
-            f"flight {flight.name} is {high.sum() * DT:.1f} s more than {FLOOR:g} m above its start; "
-            f"{SHORTEST:g} s are needed"
+            f"flight {flight.name} is {high.sum() * DT:.1f} s more than {FLOOR:g} m above its start; must be "
+            f"at least {SHORTEST:g} s"
         )
     return _DensePoses(t, at, pos, quat)
 
@@ -127,11 +127,11 @@ def _check_samples(name: str, t: Array) -> None:
     rate_hz = 1.0 / float(np.median(np.diff(t))) if len(t) > 1 else 0.0
     if 0.0 < rate_hz < SLOWEST_HZ:
         raise ValueError(
-            f"flight {name} has motion capture at {rate_hz:.0f} Hz; what estimators are given are "
-            f"degradations of 100 Hz, and {SLOWEST_HZ:g} Hz is the minimum"
+            f"flight {name} has motion capture at {rate_hz:.0f} Hz; must be at least {SLOWEST_HZ:g} Hz, as "
+            "it is degraded from 100 Hz"
         )
     if len(t) < SHORTEST / DT:
-        raise ValueError(f"flight {name} has {len(t)} poses; {SHORTEST:g} s of them are needed")
+        raise ValueError(f"flight {name} has {len(t)} poses; must be at least {SHORTEST:g} s of them")
 
 
 def _body_motion(recording: Recording, poses: _DensePoses, flying: Mask) -> RecordedMotion:

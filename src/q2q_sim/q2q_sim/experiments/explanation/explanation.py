@@ -58,9 +58,9 @@ class ExplanationParams:
     def __post_init__(self) -> None:
         """Check the bounds."""
         if self.orders < 4 or self.orders % 2:
-            raise ValueError(f"orders = {self.orders}: an even number of 4 or more is allowed")
+            raise ValueError(f"orders = {self.orders}; must be even and at least 4")
         if self.draws < 1:
-            raise ValueError(f"draws = {self.draws}: 1 or more is allowed")
+            raise ValueError(f"draws = {self.draws}; must be at least 1")
 
 
 @dataclass(frozen=True, slots=True)

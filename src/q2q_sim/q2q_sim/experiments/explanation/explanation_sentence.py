@@ -16,7 +16,7 @@ def explanation_sentence(found: Explanation) -> str:
     amount = f"{LOST:g} m or more" if loss.size >= LOST else centimetres(loss.size)
     lost = f"{loss.vehicle} is {amount} {PLACES[loss.kind]} its setpoint at {loss.t:.1f} s"
     if not found.shares:
-        return f"{lost}, by none of the known causes."
+        return f"{lost}; none of the known causes explains it."
     first, *others = found.shares
     causes = [_words(one) for one in (first, *(one for one in others if abs(one.share) >= NAMED * loss.size))]
     if found.rest >= NAMED * loss.size:

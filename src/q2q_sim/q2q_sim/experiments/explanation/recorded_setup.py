@@ -55,9 +55,9 @@ def recorded_setup(bag: Path) -> RecordedSetup:
         if difference <= SAME:
             return RecordedSetup(setup, flight, difference)
     raise ValueError(
-        f"{bag}: flown again, a vehicle is {found:.3g} m off its recorded position, at most {SAME} m is"
-        " allowed: only flights in lockstep, by one controller, without --plan avoid, whose scenario"
-        " has not been changed, can be explained"
+        f"{bag}: flown again, a vehicle is {found:.3g} m off its recorded position (maximum {SAME} m): only "
+        "flights in lockstep, by one controller, without --plan avoid, whose scenario has not been changed, "
+        "can be explained"
     )
 
 
@@ -92,20 +92,18 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
     missing = [name for name in NEEDED if name not in facts.known]
     if missing:
         raise ValueError(
-            f"{bag}: its metadata lack {', '.join(missing)}: only flights of the simulator (`fly --bag`, "
+            f"{bag}: its metadata lacks {', '.join(missing)}: only flights of the simulator (`fly --bag`, "
             "`campaign`) can be flown again; see `validate` for recordings of real vehicles"
         )
     if not facts.seed.isdigit():
-        raise ValueError(
-            f"{bag}: seed {facts.seed!r} in its metadata: a whole number, 0 or above, is allowed"
-        )
+        raise ValueError(f"{bag}: seed {facts.seed!r} in its metadata; must be an integer >= 0")
     _check_duration(facts.duration, bag)
     try:
         check_model_name(facts.model)
         check_air(facts.air.partition(" without ")[0] or "none")
         BlockChoices(facts.mode, facts.controller)
     except ValueError as unknown:
-        raise ValueError(f"{bag}: {unknown}; an object of Python cannot be flown again by a bag") from unknown
+        raise ValueError(f"{bag}: {unknown}; a Python object cannot be flown again from a bag") from unknown
     return facts
 
 
@@ -116,4 +114,4 @@ def _check_duration(stated: str, bag: Path) -> None:
     except ValueError:
         known = False
     if not known:
-        raise ValueError(f"{bag}: duration {stated!r} in its metadata: seconds, above 0, are allowed")
+        raise ValueError(f"{bag}: duration {stated!r} in its metadata; must be above 0 s")

@@ -41,7 +41,7 @@ class _Entry:
 
     def __post_init__(self) -> None:
         if not (self.unit and self.where and self.note):
-            raise ValueError("unit, where and note are expected")
+            raise ValueError("must have unit, where and note")
 
 
 def paper_numbers(file: Path = FILE) -> tuple[PaperNumber, ...]:

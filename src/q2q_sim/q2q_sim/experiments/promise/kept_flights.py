@@ -34,7 +34,9 @@ def resume_flights(
         entries = read_entries(file, lambda document: from_plain(KeptFlight, document, ""))
         kept = {one.record.seed: one for one in entries}
         if any(one.case != case for one in kept.values()):
-            raise ValueError(f"{file} holds flights of another tube, controller or air: name another --keep")
+            raise ValueError(
+                f"{file} holds flights with another tube, controller or air: name another --keep"
+            )
         yield from (kept[seed].record for seed in seeds if seed in kept)
         for record in fly([seed for seed in seeds if seed not in kept]):
             log.write(json.dumps(to_plain(KeptFlight(case, record))) + "\n")

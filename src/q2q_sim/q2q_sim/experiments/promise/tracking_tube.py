@@ -94,9 +94,9 @@ class TrackingTube:
     def __post_init__(self) -> None:
         """Raise ValueError where a number is out of bounds."""
         if not 0.0 < self.alpha < 1.0:
-            raise ValueError(f"alpha = {self.alpha:g}: above 0 and below 1 is allowed")
+            raise ValueError(f"alpha = {self.alpha:g}; must be above 0 and below 1")
         if not (self.horizontal > 0.0 and self.vertical > 0.0):
-            raise ValueError(f"tube of {self.horizontal:g} m and {self.vertical:g} m: above 0 is allowed")
+            raise ValueError(f"tube of {self.horizontal:g} m and {self.vertical:g} m; must be above 0")
 
     def holds(self, errors: Array) -> bool:
         """Return whether a flight with these largest errors (horizontal, vertical) [m] stays within."""
@@ -113,8 +113,8 @@ def check_enough_flights(flights: int, alpha: float) -> None:
     sizing = flights - ceil(SHAPE_SHARE * flights)
     if sizing < fewest_flights(alpha):
         raise ValueError(
-            f"{flights} flights at alpha = {alpha:g}: {sizing} of them size the tube, at least "
-            f"{fewest_flights(alpha)} are needed; fly more, or allow a larger alpha"
+            f"{flights} flights at alpha = {alpha:g}: {sizing} of them size the tube; must be at least "
+            f"{fewest_flights(alpha)}: fly more, or allow a larger alpha"
         )
 
 
@@ -126,7 +126,9 @@ def conformal_bound(scores: Array, alpha: float) -> float:
     """
     rank = ceil((len(scores) + 1) * (1.0 - alpha) - 1e-9)  # 0.95 * 100 is 95
     if not 0.0 < alpha < 1.0 or rank > len(scores):
-        raise ValueError(f"{len(scores)} scores at alpha = {alpha:g}: {fewest_flights(alpha)} are needed")
+        raise ValueError(
+            f"{len(scores)} scores at alpha = {alpha:g}; must be at least {fewest_flights(alpha)}"
+        )
     return float(np.sort(scores)[rank - 1])
 
 
@@ -139,13 +141,13 @@ def learn_tube(
         ValueError: alpha is not between 0 and 1, there are too few flights, or their errors give no shape.
     """
     if not 0.0 < alpha < 1.0:
-        raise ValueError(f"alpha = {alpha:g}: above 0 and below 1 is allowed")
+        raise ValueError(f"alpha = {alpha:g}; must be above 0 and below 1")
     check_enough_flights(len(errors), alpha)
     shaping = ceil(SHAPE_SHARE * len(errors))
     sizing = errors[shaping:]
     shape = np.median(errors[:shaping], axis=0) if shaping else np.ones(2)
     if not (np.isfinite(errors).all() and (shape > 0.0).all()):
-        raise ValueError(f"errors with medians {shape} m: all must be finite, and most above 0")
+        raise ValueError(f"errors with medians {shape} m; must all be finite and mostly above 0")
     size = conformal_bound((sizing / shape).max(axis=1, initial=0.0), alpha)
     horizontal, vertical = (size * shape).tolist()
     return TrackingTube(alpha, len(sizing), horizontal, vertical, conditions, learned_from)

@@ -21,7 +21,9 @@ def reused_seeds(tube: TrackingTube, first: int, count: int) -> str | None:
     if of is None or first >= of.first + of.count or of.first >= first + count:
         return None
     last = of.first + of.count - 1
-    return f"seeds {of.first} to {last} gave the tube, and do not test it; others begin at --first {last + 1}"
+    return (
+        f"the tube was learned from seeds {of.first} to {last}, which cannot test it; give --first {last + 1}"
+    )
 
 
 def tube_lines(learned: TrackingTube) -> Sequence[str]:
@@ -32,7 +34,7 @@ def tube_lines(learned: TrackingTube) -> Sequence[str]:
         return [size]
     if learned.horizontal <= of.horizontal and learned.vertical <= of.vertical:
         kept = f"stay within it with probability {1.0 - learned.alpha:g}"
-        return [size, f"it lies within the tube that was flown: flights with that one {kept}"]
+        return [size, f"it lies within the flown tube: flights with the flown one {kept}"]
     return [size, f"flown with {_size(of)}; run promise with --tube to count how many flights leave it"]
 
 

@@ -65,7 +65,7 @@ def _present(given: Namespace) -> dict[str, Errors]:
     errors, kept = read(given.json)
     if kept != FlightDraws(given.draws, given.seed):
         raise ValueError(
-            f"{given.json} is of --draws {kept.each} --seed {kept.seed}: give these, or another file"
+            f"{given.json} was made with --draws {kept.each} --seed {kept.seed}: give these, or another file"
         )
     return dict(errors)
 
@@ -104,7 +104,9 @@ def read(file: Path) -> KeptNumbers:
         draws = FlightDraws(*body.pop(DRAWS))
         return KeptNumbers({str(name): Errors(*map(_error, row)) for name, row in body.items()}, draws)
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as wrong:
-        raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
+        raise ValueError(
+            f"{file} has no results of flights ({wrong}): remove it, or give another file"
+        ) from wrong
 
 
 def _error(number: float | None) -> float:

@@ -68,8 +68,8 @@ def estimate_noise(flight: TrackedFlight, seed: int) -> tuple[Array, Array]:
     lowest = LOWEST if np.isfinite(flight.acc).all() else WHITE_FROM
     if 0.5 / flight.dt < lowest - ROUNDING:
         raise ValueError(
-            f"flight {flight.name} cannot be flown again: the noise of its estimate is read above "
-            f"{lowest:g} Hz, and its {1.0 / flight.dt:.4g} Hz show none; {2.0 * lowest:g} Hz is the minimum"
+            f"flight {flight.name} cannot be flown again: the noise of its estimate is read above {lowest:g} "
+            f"Hz; its rate of {1.0 / flight.dt:.4g} Hz must be at least {2.0 * lowest:g} Hz"
         )
     white = stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape))
     pos, vel = (

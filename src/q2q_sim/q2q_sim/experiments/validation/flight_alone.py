@@ -82,7 +82,7 @@ def flight_alone(recording: Recording) -> FlightAlone:
     if away > LOST:
         raise ValueError(
             f"flight {flight.name} cannot be flown again: its vehicle is up to {away:.1f} m from its "
-            f"setpoint, {LOST:.0f} m are allowed"
+            f"setpoint (maximum {LOST:.0f} m)"
         )
     vel = np.gradient(pos[:3], TICK, axis=0)[1]
     return FlightAlone(flight.name, pos, ref, vel, normalised(resample(flight.t, flight.quat[:, 0], grid)[0]))

@@ -127,7 +127,7 @@ def check_stable(name: str, law: RecordedLaw, lag: float, seconds: float) -> Non
         growth = np.roots(np.polyadd(np.append(late, np.zeros(3)), [k_d, k_p, k_i])).real.max()
         if growth * seconds > 1.0:
             raise ValueError(
-                f"flight {name} cannot be flown again: the gains of {axis} read from its thrust commands, "
+                f"flight {name} cannot be flown again: the gains of {axis} from its thrust commands, "
                 f"K_p {k_p:.2f}, K_d {k_d:.2f}, K_i {k_i:.2f}, are unstable: errors grow e-fold in "
                 f"{1.0 / growth:.2g} s of {seconds:.0f} s; give a flight whose errors along {axis} show in "
                 "its thrust"

@@ -90,7 +90,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
     known = (np.isfinite(one).any() for one in (setpoint_positions(flight), flight.thrust))
     if pushes is None or not all(known):
         raise ValueError(
-            f"flight {flight.name} cannot be flown again: references, states and thrust commands are needed"
+            f"flight {flight.name} cannot be flown again: record references, states and thrust commands"
         )
     usable, exposed, free = (
         np.stack(masks, axis=1)

@@ -30,7 +30,7 @@ def compressed_pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
     try:
         return _pieces(memory, at)
     except struct.error as error:
-        raise ValueError(f"the trajectory at byte {at} has no end in the memory") from error
+        raise ValueError(f"the trajectory at byte {at} does not end within the memory") from error
 
 
 def compressed_bytes(memory: bytes | bytearray, at: int) -> range:

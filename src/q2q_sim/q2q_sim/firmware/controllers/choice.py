@@ -39,7 +39,7 @@ def refusal_of(asked: int, flown: FirmwareController) -> str:
     """Return the console message if the controller `asked` is not simulated, else nothing."""
     if asked not in NOT_SIMULATED:
         return ""
-    return f"Q2Q: controller {asked} ({NOT_SIMULATED[asked]}) is not simulated, {flown.name} flies on\n"
+    return f"Q2Q: controller {asked} ({NOT_SIMULATED[asked]}) is not simulated, {flown.name} stays\n"
 
 
 def start_controller(flown: FirmwareController, memory: Array) -> None:

@@ -131,7 +131,7 @@ def _thrust(packet: Packet, firmware: Firmware) -> Asked | None:
     if firmware.thrust_locked:
         why = "no setpoint of thrust 0 has unlocked the thrust"
     elif 0 < thrust < RPYT_PWM_MIN and _setpoint(firmware).kind == CommandKind.OFF:
-        why = f"the firmware takes a thrust below {RPYT_PWM_MIN} of 65535 for none"
+        why = f"the firmware treats a thrust below {RPYT_PWM_MIN} of 65535 as none"
     else:
         return None
     return Asked(CommandKind.SETPOINT, f"setpoint of thrust {thrust}", refused=why)

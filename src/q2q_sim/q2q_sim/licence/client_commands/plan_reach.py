@@ -37,11 +37,11 @@ def reach_violation(plan: Piecewise, here: Array, vehicle: Vehicle) -> str:
         return f"a trajectory that jumps by {jump:.2f} m between two pieces"
     away = _away(plan, here)
     if not isfinite(away):
-        return "a place that is not finite, as that of a line or a spiral in 0 s is: it drops the plan"
+        return "a position that is not finite, like that of a line or spiral in 0 s: it drops the plan"
     if plan.duration > 0.0 and away > BEHIND:
-        return f"a trajectory that begins {away:.2f} m from where it is"
+        return f"a trajectory that begins {away:.2f} m from its position"
     behind = _behind(plan, here, vehicle)
-    return f"a place that is {behind:.2f} m farther than full thrust takes it in that time" if behind else ""
+    return f"a position {behind:.2f} m beyond the reach of full thrust in that time" if behind else ""
 
 
 def _behind(plan: Piecewise, here: Array, vehicle: Vehicle) -> float:

@@ -26,7 +26,7 @@ def absent_trajectory(number: int, firmware: Firmware) -> str:
     absent = sum(
         piece.duration == 0.0 and not written for piece, written in zip(plan.pieces, ends, strict=False)
     )
-    return f"trajectory {number}, of which {absent} of {count} pieces are not uploaded" if absent else ""
+    return f"trajectory {number}, with {absent} of {count} pieces not uploaded" if absent else ""
 
 
 def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
@@ -42,4 +42,4 @@ def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
     overlaps = at < place.stop and at + len(data) - _PLACE.size > place.start
     changed = firmware.uploads.memory[place.start : place.stop] != plan.stored.content
     told = memory == TRAJECTORY_MEMORY and overlaps and changed
-    return "a change of the trajectory that it flies" if told else ""
+    return "a change of the trajectory it is flying" if told else ""

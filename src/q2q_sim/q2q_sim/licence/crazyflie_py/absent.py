@@ -20,10 +20,10 @@ class Absence:
         """Say why there is no such attribute."""
         kind = self.public_name or type(self).__name__
         if name in NOT_PUBLIC:
-            raise AttributeError(f"Crazyswarm2's {kind} has no {name}: it is one of Crazyswarm1")
+            raise AttributeError(f"Crazyswarm2's {kind} has no {name}: it exists in Crazyswarm1 only")
         raise AttributeError(
-            f"the {kind} of a licence has no {name}: there is a stand-in for the documented calls only, "
-            "not for the ROS node under them"
+            f"the {kind} of a licence has no {name}: only the documented calls are emulated, not the ROS "
+            "node under them"
         )
 
 

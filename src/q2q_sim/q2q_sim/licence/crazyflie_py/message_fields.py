@@ -45,14 +45,14 @@ def real(value: object, what: str) -> float:
 def three(values: object, what: str) -> Three:
     """Return three floats of a sequence or array."""
     if not isinstance(values, Sequence | np.ndarray):
-        raise TypeError(f"{what} = {values!r}: three floats are needed")
+        raise TypeError(f"{what} = {values!r}; must be three floats")
     x, y, z = (real(values[k], f"{what}[{k}]") for k in range(3))
     return x, y, z
 
 
 def seconds(value: float, what: str) -> float:
     """Return a duration [s] in whole nanoseconds, as rclpy.duration.Duration makes it of any real number."""
-    message = f"{what} = {value!r}: a number of seconds between -2^31 and 2^31 is needed"
+    message = f"{what} = {value!r}; must be seconds between -2^31 and 2^31"
     if not isinstance(value, Number | np.generic | np.ndarray) or isinstance(value, np.character):
         raise TypeError(message)
     try:
@@ -81,14 +81,14 @@ def coefficients(values: object, what: str) -> Array:
 def whole(value: object, what: str, most: int) -> int:
     """Return a whole number from 0 to `most`."""
     if not isinstance(value, int) or not 0 <= value <= most:
-        raise TypeError(f"{what} = {value!r}: a ROS message needs an int from 0 to {most}")
+        raise TypeError(f"{what} = {value!r}; must be an int in [0, {most}]")
     return int(value)
 
 
 def flag(value: object, what: str) -> bool:
     """Return a truth value."""
     if not isinstance(value, bool):
-        raise TypeError(f"{what} = {value!r}: a ROS message needs True or False")
+        raise TypeError(f"{what} = {value!r}; must be True or False")
     return value
 
 

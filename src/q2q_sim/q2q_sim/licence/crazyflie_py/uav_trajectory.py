@@ -35,7 +35,7 @@ class Polynomial:
     def eval(self, t: float) -> float:
         """Return the value at t [s]."""
         if t < 0.0:
-            raise ValueError(f"t = {t}: 0 or above is allowed")
+            raise ValueError(f"t = {t}; must be at least 0")
         return float(np.polynomial.polynomial.polyval(t, np.asarray(self.p)))
 
     def derivative(self) -> "Polynomial":
@@ -114,7 +114,7 @@ class UavTrajectory:
         if self.duration is None:
             raise TypeError("a trajectory without a duration: set it to the sum of those of its polynomials")
         if not 0.0 <= t <= self.duration:
-            raise ValueError(f"t = {t}: 0 to {self.duration} s is allowed")
+            raise ValueError(f"t = {t}; must be in [0, {self.duration}] s")
         begin = 0.0
         for piece in pieces:
             if t <= begin + piece.duration:

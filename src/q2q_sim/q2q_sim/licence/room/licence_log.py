@@ -53,7 +53,7 @@ class ProgramEnd:
         where = f" on line {' and line '.join(map(str, self.waiting))}" if self.waiting else ""
         place = " outside Python's clock, for input, a socket or a process" if self.outside else ""
         waits = f"it waits{place}{where}" if place or where else ""
-        caught = f"a callback failed before, which cflib catches: {self.caught}" if self.caught else ""
+        caught = f"an earlier callback failed, and cflib caught it: {self.caught}" if self.caught else ""
         return "; ".join(filter(None, (waits, caught)))
 
 

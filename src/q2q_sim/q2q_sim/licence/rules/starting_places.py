@@ -18,6 +18,4 @@ def check_starts(starts: Mapping[str, Three], limits: LicenceLimits) -> None:
     for (name, one), (other_name, other) in combinations(starts.items(), 2):
         apart = dist(one[:2], other[:2])
         if apart < limits.gap:
-            raise ValueError(
-                f"{name} and {other_name} are {apart:.2f} m apart: {limits.gap:g} m is the minimum"
-            )
+            raise ValueError(f"{name} and {other_name} are {apart:.2f} m apart (minimum {limits.gap:g} m)")

@@ -10,30 +10,29 @@ from q2q_sim.monitors.policies.inputs.circumstances import Circumstances
 from q2q_sim.monitors.policies.inputs.flight_trace import FlightTrace
 
 WORDS: Mapping[str, str] = {
-    "separation": "{0.value:.4g} m apart, at least {0.limit:.4g} m is allowed",
-    "zone": "{0.value:.4g} m outside the zone (inside is negative), at least {0.limit:.4g} m is allowed",
-    "setpoint_error": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
-    "floor": "at a height of {0.value:.4g} m, more than {0.limit:.4g} m is allowed",
-    "thrust": "{0.value:.4g} N commanded, 0 to {0.limit:.4g} N is allowed",
-    "tilt": "{0.value:.4g} rad of commanded tilt, at most {0.limit:.4g} rad is allowed",
-    "state_age": "flown on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
-    "fallback_latency": "flown normally {0.value:.4g} s after its last sample, at most {0.limit:.4g} s "
-    "is allowed",
-    "silence": "no command for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
-    "state_error": "tracked {0.value:.4g} m off its true position, at most {0.limit:.4g} m is allowed",
-    "return": "still {0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
-    "mode_agreement": "{0.value:.4g} m apart by nodes and by closed_loop, at most {0.limit:.4g} m is allowed",
-    "lost_moving": "LOST at {0.value:.4g} m/s, at most {0.limit:.4g} m/s is allowed",
-    "swap_moved_track": "moved by {0.value:.4g} m, at most {0.limit:.4g} m is allowed",
-    "stale_reported_ok": "OK on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
-    "hold_too_long": "held or level for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
-    "evasion": "evades by {0.value:.4g} m/s^2, at least {0.limit:.4g} m/s^2 is allowed",
-    "promise": "setpoints {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
-    "stop_enters_zone": "stops {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
-    "off_path_unreported": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
+    "separation": "{0.value:.4g} m apart (minimum {0.limit:.4g} m)",
+    "zone": "{0.value:.4g} m outside the zone, negative inside (minimum {0.limit:.4g} m)",
+    "setpoint_error": "{0.value:.4g} m from its setpoint (maximum {0.limit:.4g} m)",
+    "floor": "at a height of {0.value:.4g} m (minimum {0.limit:.4g} m)",
+    "thrust": "{0.value:.4g} N commanded (allowed 0 to {0.limit:.4g} N)",
+    "tilt": "{0.value:.4g} rad of commanded tilt (maximum {0.limit:.4g} rad)",
+    "state_age": "flown on a state {0.value:.4g} s old (maximum {0.limit:.4g} s)",
+    "fallback_latency": "flown normally {0.value:.4g} s after its last sample (maximum {0.limit:.4g} s)",
+    "silence": "no command for {0.value:.4g} s (maximum {0.limit:.4g} s)",
+    "state_error": "tracked {0.value:.4g} m off its true position (maximum {0.limit:.4g} m)",
+    "return": "still {0.value:.4g} m from its setpoint (maximum {0.limit:.4g} m)",
+    "mode_agreement": "{0.value:.4g} m apart between nodes and closed_loop (maximum {0.limit:.4g} m)",
+    "lost_moving": "LOST at {0.value:.4g} m/s (maximum {0.limit:.4g} m/s)",
+    "swap_moved_track": "moved by {0.value:.4g} m (maximum {0.limit:.4g} m)",
+    "stale_reported_ok": "OK on a state {0.value:.4g} s old (maximum {0.limit:.4g} s)",
+    "hold_too_long": "held or level for {0.value:.4g} s (maximum {0.limit:.4g} s)",
+    "evasion": "evades by {0.value:.4g} m/s^2 (minimum {0.limit:.4g} m/s^2)",
+    "promise": "setpoints {0.value:.4g} m outside the zone (minimum {0.limit:.4g} m)",
+    "stop_enters_zone": "stops {0.value:.4g} m outside the zone (minimum {0.limit:.4g} m)",
+    "off_path_unreported": "{0.value:.4g} m from its setpoint (maximum {0.limit:.4g} m)",
 }
 """Value and limit of a violation (0) of each policy or postcondition, with unit and meaning."""
-PLAIN = "{0.value:.4g}, allowed is {0.limit:.4g}"
+PLAIN = "{0.value:.4g} (limit {0.limit:.4g})"
 """The same of properties whose values are counts or shares."""
 
 

@@ -112,7 +112,7 @@ def _family(flight: str) -> str:
 def score_flights(flights: DemoFlights) -> DemoScores:
     """Return the model of the training flights, and the scores of all flights without it."""
     vehicle = vehicle_of_flights(flights.training).vehicle
-    _print_note(f"a push that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
+    _print_note(f"pushes missing in logs are computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
     training, digests = _samples(flights.training, vehicle)
     further, _ = _samples(flights.further, vehicle) if flights.further else ({}, {})
     scores = held_out_scores(training, further)

@@ -14,8 +14,8 @@ from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.q2q_packages import PACKAGES
 from q2q_sim.tools.kernels.kernel_calls import calls
 
-NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
-"""Parts of the packages without kernels that import ROS or torch."""
+LEFT_OUT = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training", ".explicit_mpc")
+"""Parts of the packages that import ROS or torch, or whose kernels no flight calls."""
 WORKERS = 2
 """Processes; a kernel that both call at once is compiled by both."""
 
@@ -58,7 +58,7 @@ def _tell_left(left: list[str], made: set[str]) -> None:
     if lost := made.intersection(left):
         _report(
             f"compiled kernels that could not be stored: {len(lost)}; make room on the disk, or set "
-            "NUMBA_CACHE_DIR to a folder that can be written"
+            "NUMBA_CACHE_DIR to a writable folder"
         )
 
 
@@ -70,7 +70,7 @@ def _modules() -> Iterator[str]:
     for package in PACKAGES:
         folders = importlib.import_module(package).__path__
         for found in pkgutil.walk_packages(folders, f"{package}."):
-            if not any(f"{part}." in f"{found.name}." for part in NOT_PURE):
+            if not any(f"{part}." in f"{found.name}." for part in LEFT_OUT):
                 yield found.name
 
 

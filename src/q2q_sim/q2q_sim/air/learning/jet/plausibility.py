@@ -45,7 +45,7 @@ def reject_lift(records: Sequence[AirRecord]) -> None:
     lift, low = float(means.value[0]), float(means.low[0])
     if lift > MOST_LIFT and not low <= 0.0:
         raise ValueError(
-            f"vehicles under another are pushed up by {lift:.2f} m/s^2 on average, and downwash pushes down: "
+            f"vehicles under another are pushed up by {lift:.2f} m/s^2 on average, but downwash pushes down: "
             f"check the sign of {COLUMNS}"
         )
 
@@ -55,7 +55,7 @@ def reject_excess(jet: JetTerm) -> None:
     most = float(jet.push_mps2.max())
     if most > GRAVITY:
         raise ValueError(
-            f"the push under another vehicle is up to {most:.3g} m/s^2, and all momentum of a source of the "
+            f"the push under another vehicle is up to {most:.3g} m/s^2, but all momentum of a source of the "
             f"same weight gives {GRAVITY:.2f}: check the unit of {COLUMNS}"
         )
 
@@ -67,21 +67,20 @@ def doubts(values: Sequence[Fitted], checks: Sequence[Fitted]) -> tuple[str, ...
     momentum = known.get("momentum of one jet")
     if momentum is not None and not MOMENTUM[0] <= momentum <= MOMENTUM[1]:
         found.append(
-            f"one jet gives rotor disks {momentum:.2g} of its source's momentum, expected are "
-            f"{_range(MOMENTUM)}: "
-            f"check the unit of {COLUMNS}"
+            f"one jet gives rotor disks {momentum:.2g} of its source's momentum, expected "
+            f"{_range(MOMENTUM)}: check the unit of {COLUMNS}"
         )
     lateral, push = known.get("largest radial mean"), known.get("jet.push_mps2")
     if lateral is not None and push is not None and abs(lateral) > LATERAL * abs(push):
         found.append(
-            f"the lateral push, {lateral:.2g} m/s^2, is more than {LATERAL:.0%} of the push on the axis, and "
-            "no term of an air has it: check the signs of x, y, roll and pitch of imu and mocap"
+            f"the lateral push, {lateral:.2g} m/s^2, is more than {LATERAL:.0%} of the push on the axis, "
+            "which no air model includes: check the signs of x, y, roll and pitch of imu and mocap"
         )
     together = known.get("two wakes over their sum")
     if together is not None and not TOGETHER[0] <= together <= TOGETHER[1]:
         found.append(
-            f"two wakes together have {together:.2g} of their sum, expected are {_range(TOGETHER)}: fly "
-            "longer under two vehicles, or do without the absorption (--air-without absorption)"
+            f"two wakes together have {together:.2g} of their sum, expected {_range(TOGETHER)}: fly longer "
+            "under two vehicles, or leave out the absorption (--air-without absorption)"
         )
     return tuple(found)
 

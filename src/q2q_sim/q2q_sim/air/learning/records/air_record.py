@@ -115,13 +115,13 @@ def air_records(
             )
         elif not np.isfinite(record.thrust).any():
             notes.append(
-                f"{record.name} has no thrust, which a jet is in proportion to: record command, or "
+                f"{record.name} has no thrust, to which a jet is proportional: record command, or "
                 "thrust_est beside faz_est"
             )
         elif not record.measured.any():
             notes.append(
-                f"{record.name} has no usable row: each is a gap of a vehicle or of one near it, or has a "
-                "saturated motor"
+                f"{record.name} has no usable row: in each, the vehicle or one near it has no data or a "
+                "motor is saturated"
             )
         else:
             found.append(record)

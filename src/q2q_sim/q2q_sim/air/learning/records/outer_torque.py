@@ -27,7 +27,7 @@ def has_trim(record: AirRecord, i: int) -> bool:
 def outer_torque(record: AirRecord, i: int, vehicle: Vehicle, power: float) -> Array:
     """Return tau [N m], body x and y, (T, 2), of a vehicle with a trim, for a power of the motor curve."""
     if record.motors is None:
-        raise ValueError(f"flight {record.name} has no motor log: pwm1 to pwm4 are needed")
+        raise ValueError(f"flight {record.name} has no motor log: record pwm1 to pwm4")
     turning = np.gradient(record.rate_body[:, i, :2], record.motion.t, axis=0)
     motors = _motor_torque(record, record.motors, i, vehicle, power)
     trim = np.median(motors[record.clear[:, i]], axis=0)
