@@ -12,7 +12,7 @@ from q2q_model.tunable import tunable_of
 from q2q_sim.commands.node_pages import OUT
 from q2q_sim.flight_bag.topics import LATCHED_TYPES, is_latched
 from q2q_sim.ros.node_survey import NodeInterface, survey
-from q2q_sim.tools.docs.node_pages import out_of_date, pages, table
+from q2q_sim.tools.docs.write_node_pages import out_of_date, pages, table
 
 OF_EVERY_TOPIC = ("bag_record", "bag_play")
 """Nodes that read topics of any name."""

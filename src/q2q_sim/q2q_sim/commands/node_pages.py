@@ -21,7 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(_: Namespace) -> Work:
-    from q2q_sim.tools.docs.node_pages import run
+    from q2q_sim.tools.docs.write_node_pages import run
 
     return run
 
