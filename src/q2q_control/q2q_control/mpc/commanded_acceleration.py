@@ -77,7 +77,7 @@ def plain_command_rule(params: MpcParams) -> PlainRule:
             shift_time=params.shift_time,
             bandwidth_xy=params.bandwidth_xy,
             bandwidth_z=params.bandwidth_z,
-            altitude_only=params.mode == "altitude",
+            altitude_only=params.axes == "altitude",
         ),
     )
 

@@ -14,7 +14,7 @@ believed to be 0.07 s, and for half to one and a half times the believed thrust 
 the horizon is at most 0.65 rad.
 
 A push beyond what thrust can carry cannot be held against, but left: a vehicle some centimetres off the axis
-of a jet carries what arrives there. So downwash couples all axes: `mode` coupled_xyz, whose problem contains
+of a jet carries what arrives there. So downwash couples all axes: `axes` coupled_xyz, whose problem contains
 this, replaces coupled_z.
 
 The problem would plan with all thrust, and a prediction that is a little too small would find none left where
@@ -58,8 +58,8 @@ STAGE_TURN = 0.65
 def with_correction_bandwidth(params: MpcParams) -> MpcParams:
     """Return parameters with at least the bandwidth above, and with all axes coupled in place of z alone."""
     most = min(DELAY_MARGIN / DELAY_ERROR, STAGE_TURN / params.step)
-    mode = "coupled_xyz" if params.mode == "coupled_z" else params.mode
-    return replace(params, bandwidth_z=max(params.bandwidth_z, most), mode=mode)
+    axes = "coupled_xyz" if params.axes == "coupled_z" else params.axes
+    return replace(params, bandwidth_z=max(params.bandwidth_z, most), axes=axes)
 
 
 def faded_residual(residual: Array, process: ResidualProcess, params: MpcParams) -> Array:

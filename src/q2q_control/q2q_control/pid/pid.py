@@ -23,7 +23,7 @@ for the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's 
 |---|---|---|
 | K_p K_d K_i | k_p k_d k_i | [1/s^2], [1/s], [1/s^3] |
 | K_i xi | integral | [m/s^2], (n, 3) |
-| v_max, e | speed_max, error_max | [m/s], [m] |
+| v_max, e | return_speed_max, error_max | [m/s], [m] |
 | eta | eta | downwash acceleration [m/s^2], (n, 3) |
 """
 
@@ -117,8 +117,8 @@ def pid_gains(params: PidParams) -> PidGains:
         k_i=np.array([params.k_i_xy, params.k_i_xy, params.k_i_z]),
         integral_max=np.full(3, params.integral_max),
         error_max=(
-            _error_max(params.k_p_xy, params.k_d_xy, params.speed_max),
-            _error_max(params.k_p_z, params.k_d_z, params.speed_max),
+            _error_max(params.k_p_xy, params.k_d_xy, params.return_speed_max),
+            _error_max(params.k_p_z, params.k_d_z, params.return_speed_max),
         ),
     )
 

@@ -178,5 +178,5 @@ def test_a_push_that_thrust_holds_only_without_its_residual_is_left_ahead_with_a
 
 
 def test_correction_couples_all_axes_by_the_downwash_but_not_those_of_another_loop() -> None:
-    assert TIGHT.mode == "coupled_xyz"
-    assert with_correction_bandwidth(replace(MpcParams(), mode="altitude")).mode == "altitude"
+    assert TIGHT.axes == "coupled_xyz"
+    assert with_correction_bandwidth(replace(MpcParams(), axes="altitude")).axes == "altitude"

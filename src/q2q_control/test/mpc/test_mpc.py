@@ -64,8 +64,8 @@ def test_a_weak_battery_leaves_no_offset():
     assert np.abs(blind[-50:]).min() > 0.005  # 0.3 / 25 = 12 mm
 
 
-@pytest.mark.parametrize(("mode", "moves"), [("coupled_z", False), ("coupled_xyz", True)])
-def test_with_all_axes_coupled_vehicles_may_step_aside_and_with_z_alone_they_do_not(mode: str, moves: bool):
+@pytest.mark.parametrize(("axes", "moves"), [("coupled_z", False), ("coupled_xyz", True)])
+def test_with_all_axes_coupled_vehicles_may_step_aside_and_with_z_alone_they_do_not(axes: str, moves: bool):
     preview = pass_over(speed=0.05, start=0.2)
     aside: list[float] = []
 
@@ -81,7 +81,7 @@ def test_with_all_axes_coupled_vehicles_may_step_aside_and_with_z_alone_they_do_
             return solution
 
     setup = MpcSetup(preview=preview, solver=Recorded)
-    Air(preview).fly(Mpc(replace(IDEAL, mode=mode), TEXTBOOK_065, PAPER_LAW, setup), 350)
+    Air(preview).fly(Mpc(replace(IDEAL, axes=axes), TEXTBOOK_065, PAPER_LAW, setup), 350)
     assert (aside[-1] > 1e-3) is moves
 
 

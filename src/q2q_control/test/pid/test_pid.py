@@ -81,7 +81,7 @@ def error_by_numpy(error: Array, most: tuple[float, float]) -> Array:
 @settings(deadline=None)  # the first call compiles
 @given(seed=st.integers(0, 10_000), exact=st.booleans(), limited=st.booleans())
 def test_compiled_rows_equal_the_numpy_equations(seed: int, exact: bool, limited: bool):
-    params = PidParams(exact_inverse=exact, thrust_limited=limited, speed_max=1.0)
+    params = PidParams(exact_inverse=exact, thrust_limited=limited, return_speed_max=1.0)
     tick = table_of(*random_swarm(seed))
     integral = np.random.default_rng(seed).normal(size=(3, 3))
     limits, gains = pid_limits(params, TEXTBOOK_065), pid_gains(params)

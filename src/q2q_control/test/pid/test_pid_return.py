@@ -38,12 +38,14 @@ def test_one_that_is_carried_up_sinks_no_faster_than_told_and_stops_at_its_setpo
     assert vel[:, 2].min() == pytest.approx(-2.0, abs=0.05)
     assert pos[:, 2].min() > -0.05
     assert abs(pos[-1, 2]) < 0.01
-    _, fast = flown(replace(STIFF, speed_max=20.0), np.array([0.0, 0.0, 4.0]), np.array([0.0, 0.0, 4.0]), 8.0)
+    _, fast = flown(
+        replace(STIFF, return_speed_max=20.0), np.array([0.0, 0.0, 4.0]), np.array([0.0, 0.0, 4.0]), 8.0
+    )
     assert fast[:, 2].min() < -5.0
 
 
 def test_one_that_is_blown_aside_returns_straight_at_the_speed_told():
-    pos, vel = flown(replace(STIFF, speed_max=1.0), np.array([3.0, -4.0, 0.0]), np.zeros(3), 12.0)
+    pos, vel = flown(replace(STIFF, return_speed_max=1.0), np.array([3.0, -4.0, 0.0]), np.zeros(3), 12.0)
     speed = np.linalg.norm(vel[:, :2], axis=1)
     assert speed.max() == pytest.approx(1.0, abs=0.02)
     assert np.abs(4.0 * pos[:, 0] + 3.0 * pos[:, 1]).max() < 1e-9
@@ -51,7 +53,7 @@ def test_one_that_is_blown_aside_returns_straight_at_the_speed_told():
 
 
 def test_nothing_is_integrated_while_an_error_is_cut():
-    params = PidParams(k_i_xy=1.0, k_i_z=1.0, speed_max=0.5)
+    params = PidParams(k_i_xy=1.0, k_i_z=1.0, return_speed_max=0.5)
     side, height = pid_gains(params).error_max
     state, setpoint, _ = swarm(("cf1",))
     for off, grows in ((0.9, True), (1.1, False)):

@@ -14,7 +14,7 @@ class MpcParams:
 
     horizon: float = tunable(2.0, "length of the horizon", unit="s", low=0.2, high=10.0, read_only=True)
     steps: int = tunable(40, "number of stages of the horizon", low=4, high=400, read_only=True)
-    mode: str = tunable(
+    axes: str = tunable(
         "coupled_z",
         "altitude: MPC in z, and a PD law in x and y; coupled_z: MPC in all axes, vehicles coupled in"
         " z by downwash (with correct: as coupled_xyz); coupled_xyz: MPC in all axes, vehicles "

@@ -112,7 +112,7 @@ def horizon_solver(params: MpcParams, vehicle: Vehicle) -> HorizonSolver:
 
 def coupled_axes(params: MpcParams) -> tuple[int, ...]:
     """Return the axes that downwash couples, of 0 1 2: x y z."""
-    return (0, 1, 2) if params.mode == "coupled_xyz" else (2,)
+    return (0, 1, 2) if params.axes == "coupled_xyz" else (2,)
 
 
 def groups_of(root: Rows) -> list[list[int]]:
