@@ -31,7 +31,7 @@ class PidParams:
     integral_max: float = tunable(
         2.0, "largest acceleration by the integral term on each axis", unit="m/s^2", low=0.0, high=9.81
     )
-    speed_max: float = tunable(
+    return_speed_max: float = tunable(
         2.0,
         "largest speed, relative to the setpoint, at which a vehicle returns to its setpoint",
         unit="m/s",
