@@ -9,7 +9,7 @@ from resting_signals import resting_setpoint, resting_state
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_planner.online.replanner import LONGEST_GAP
-from q2q_planner.online.safe.lost_vehicles import BLIND_S, FRESH_S, LEFT_BEHIND
+from q2q_planner.online.safe.lost_vehicles import COAST_S, FRESH_S, LEFT_BEHIND
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
@@ -48,7 +48,7 @@ def flown(unseen_s: float, params: SafeReplannerParams, vel: Array = ON) -> list
 @pytest.mark.parametrize("jerk", [0.0, 20.0])
 def test_it_starts_where_it_is_and_is_back_within_the_bounds_of_acceleration(jerk: float) -> None:
     params = replace(PARAMS, jerk_max=jerk)
-    back = flown(BLIND_S + 0.2, params)
+    back = flown(COAST_S + 0.2, params)
     pos = np.array([tick.pos[0] for tick in back]) - SENT[0]
     np.testing.assert_allclose(pos[0], OFF, atol=1e-12)
     acc = np.diff(pos, n=2, axis=0) / TICK**2
@@ -62,7 +62,7 @@ def test_it_starts_where_it_is_and_is_back_within_the_bounds_of_acceleration(jer
 
 def test_it_starts_with_its_velocity_up_to_the_fastest_that_is_allowed() -> None:
     vel = np.array([3.0, -4.0, 0.0])
-    first = flown(BLIND_S + 0.2, PARAMS, vel)[0]
+    first = flown(COAST_S + 0.2, PARAMS, vel)[0]
     np.testing.assert_allclose(first.vel[0], vel * PARAMS.speed_max / 5.0, atol=1e-12)
 
 
@@ -80,7 +80,7 @@ def test_it_sinks_no_faster_than_it_can_stop_above_the_floor(height: float) -> N
     assert first.vel[0, 2] == -1.1 or stop == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("lost_s", [BLIND_S + 0.2, PARAMS.forget + 0.2])
+@pytest.mark.parametrize("lost_s", [COAST_S + 0.2, PARAMS.forget + 0.2])
 def test_it_starts_where_it_is_also_if_the_swarm_changes_meanwhile(lost_s: float) -> None:
     """The second vehicle leaves the swarm in the tick before the first is measured again, or in that tick."""
     for early in (0, 1):
@@ -95,7 +95,7 @@ def test_it_starts_where_it_is_also_if_the_swarm_changes_meanwhile(lost_s: float
 
 def test_one_that_was_flown_all_the_time_is_led_on_and_announced() -> None:
     """A shorter gap is flown by prediction: a vehicle that is off then has broken the promise."""
-    first = flown(BLIND_S - 0.1, PARAMS)[0]
+    first = flown(COAST_S - 0.1, PARAMS)[0]
     np.testing.assert_array_equal(first.pos, SENT)
     assert first.status.tolist() == [SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL]
 

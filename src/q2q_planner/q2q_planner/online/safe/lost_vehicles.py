@@ -26,7 +26,7 @@ from q2q_planner.online.safe.motion.motion_propagation import up_to
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.motion.vectors import distance
 
-BLIND_S = MocapFilterParams().coast_s
+COAST_S = MocapFilterParams().coast_s
 """Age of a measurement beyond which a controller does not fly a vehicle [s]."""
 FRESH_S = TICK_S
 """Age of a measurement that is of this tick or the last one [s]."""
@@ -66,7 +66,7 @@ def _found(age: Array, before: Mask, lost: Mask) -> Mask:
     """Return who was lost before and is measured now, (n,); write who is lost now, (n,)."""
     fresh = age <= FRESH_S
     # never measured is not lost: a vehicle begins on its reference
-    lost[:] = (age > BLIND_S) & np.isfinite(age) | before & ~fresh
+    lost[:] = (age > COAST_S) & np.isfinite(age) | before & ~fresh
     return before & fresh
 
 
