@@ -7,6 +7,7 @@ from pathlib import Path
 
 from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.open_source import open_source
+from q2q_model.bag.storage.own_definition import check_fields
 from q2q_model.bag.storage.source import Channel, RawMessage
 from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.signals.cdr.cdr_reader import SignalReader
@@ -67,13 +68,17 @@ class BagReader:
     def raw(self, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
         """Yield messages as bytes in the order of bag time; None means all topics.
 
-        Raises BagError for a topic that the bag lacks, and for damage when it is reached.
+        Raises BagError for a topic that the bag lacks, for a type of q2q_msgs that the bag defines with other
+        fields, and for damage when it is reached.
         """
         selected = self.topics.keys() if topics is None else topics
         missing = sorted(set(selected) - self.topics.keys())
         if missing:
             has = ", ".join(sorted(self.topics)) or "no topics"
             raise BagError(f"bag {self.path} has no topic {', '.join(missing)}; it has {has}")
+        for channel in self.channels:
+            if channel.topic in selected:
+                check_fields(self.path, channel)
         return self._source.read(selected)
 
     def signals(self, topics: Collection[str] | None = None) -> Iterator[TimedSignal]:

@@ -12,6 +12,7 @@ from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.storage.bag_path import flight_name
 from q2q_model.bag.storage.errors import BagError, warn_of_repairs
 from q2q_model.bag.storage.open_source import open_source
+from q2q_model.bag.storage.own_definition import check_fields
 from q2q_model.bag.storage.source import Channel, Source
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.joined_flight import flight_from_signals
@@ -67,6 +68,7 @@ def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict
         if SIGNALS.get(holds := channels[topic].type_name) is not TICK_TOPICS[name]:
             expected = f"q2q_msgs/msg/{LAYOUTS[TICK_TOPICS[name]].message}"
             raise BagError(f"topic {topic} holds {holds}; {name} under signals needs {expected}")
+        check_fields(source.path, channels[topic])
     return source, channels
 
 

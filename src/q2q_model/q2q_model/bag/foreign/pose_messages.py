@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterator, Sequence
 from operator import attrgetter
 
 import numpy as np
-from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.storage.definitions import jazzy_types, naming_message
 from q2q_model.bag.storage.errors import BagError
+from q2q_model.bag.storage.own_definition import own_types
 from q2q_model.bag.storage.source import Channel, RawMessage, Source
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 
@@ -36,7 +37,6 @@ NO_QUAT = (np.nan,) * 4
 """Quaternion of a Position: its yaw is in radians or degrees, and a reference needs none."""
 NO_RATES = (np.nan,) * 6
 """Velocity and acceleration of a message that carries none."""
-IDL_MARK = "=" * 80 + "\n"
 _XYZ, _XYZW = attrgetter("x", "y", "z"), attrgetter("x", "y", "z", "w")
 
 Row = tuple[float, ...]
@@ -96,13 +96,6 @@ def _decoder(source: Source, channel: Channel) -> Callable[[RawMessage], object]
 
 def _own_types(source: Source, channel: Channel) -> Typestore:
     """Return the types that the bag defines for a channel, which may differ from those of Jazzy."""
-    store, text = get_typestore(Stores.EMPTY), channel.definition
-    try:
-        if text.startswith(f"{IDL_MARK}IDL: "):
-            for part in text.split(IDL_MARK)[1:]:
-                store.register(get_types_from_idl(part.split("\n", 1)[1]))
-        else:
-            store.register(get_types_from_msg(text, channel.type_name))
-    except Exception as damage:
-        raise BagError(f"bag {source.path}: the definition of {channel.type_name} cannot be read") from damage
+    store = get_typestore(Stores.EMPTY)
+    store.register(own_types(source.path, channel.type_name, channel.definition))
     return store

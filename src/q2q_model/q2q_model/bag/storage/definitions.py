@@ -19,7 +19,7 @@ PACKAGE = "q2q_msgs"
 def jazzy_types() -> Typestore:
     """Return the message types of ROS 2 Jazzy and q2q_msgs."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    for path in sorted(_message_folder().glob("*.msg")):
+    for path in sorted(message_folder().glob("*.msg")):
         store.register(get_types_from_msg(path.read_text(), f"{PACKAGE}/msg/{path.stem}"))
     return store
 
@@ -47,7 +47,7 @@ def naming_message(bag: Path, found: RawMessage, type_name: str) -> Iterator[Non
         raise BagError(f"bag {bag}, {where}: no {type_name} ({damage})") from damage
 
 
-def _message_folder() -> Path:
+def message_folder() -> Path:
     """Return the folder of the .msg files: installed by pip, in an ament prefix, or in the source tree."""
     here = Path(__file__).resolve()
     prefixes = filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep))
