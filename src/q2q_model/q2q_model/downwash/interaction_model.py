@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from q2q_model.geometry.pair_reach import beyond_reach
 from q2q_model.geometry.rotations import UP
@@ -159,6 +160,13 @@ def downwash(model: InteractionModel, pairs: RetardedPairs) -> Array:
     return np.where(downwash_ended(pairs, model.reach)[..., None], 0.0, law)
 
 
-def downwash_at_rest(model: InteractionModel, rel_pos: Array) -> Array:
-    """Return eta of level vehicles at rest [m/s^2], world, (..., 3), for relative positions [m], (..., 3)."""
-    return downwash(model, RetardedPairs(rel_pos, pairs_at_rest(rel_pos), rel_pos))
+def downwash_at_rest(model: InteractionModel, rel_pos: ArrayLike) -> Array:
+    """Return eta of level vehicles at rest [m/s^2], world, (..., 3), for relative positions [m], (..., 3).
+
+    Raises:
+        ValueError: the last axis is not 3 long.
+    """
+    apart = np.asarray(rel_pos, dtype=np.float64)
+    if apart.shape[-1:] != (3,):
+        raise ValueError(f"rel_pos of shape {apart.shape} is given; must be (..., 3)")
+    return downwash(model, RetardedPairs(apart, pairs_at_rest(apart), apart))

@@ -45,6 +45,7 @@ from q2q_model.downwash.source_strength import (
     thrust_ratio,
 )
 from q2q_model.downwash.state_history import StateHistory
+from q2q_model.downwash.state_rows import state_rows
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.geometry.pair_reach import beyond_rows
 from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
@@ -58,11 +59,17 @@ class InteractionPredictor:
     """Block that maps SwarmState to Interference; the model can be exchanged in flight."""
 
     def __init__(self, model: InteractionModel) -> None:
+        """Use a model; raise TypeError if it is none."""
         self._use(model)
         self.reset()
 
     def _use(self, model: InteractionModel) -> None:
         """Take a model, with what does not change from tick to tick."""
+        if not isinstance(model, InteractionModel):
+            kind = type(model).__name__
+            raise TypeError(
+                f"a {kind} is given; must be an InteractionModel, as `interaction` of a ModelFile"
+            )
         self.model, self._terms, reach = model, source_terms(model), model.reach
         self._reach, self._late = (reach.horizontal, reach.vertical), model.max_delay > 0.0
         self._jet = _plain_jet(model)
@@ -81,11 +88,15 @@ class InteractionPredictor:
         self._use(model)
 
     def update(self, state: SwarmState) -> Interference:
-        """Return the downwash on every vehicle of `state`, in its order."""
+        """Return the downwash on every vehicle of `state`, in its order.
+
+        Raises:
+            ValueError: arrays do not have a row for each name.
+            ModelOutputError: the model returns what cannot be flown with.
+        """
         if is_repeated(self._last, state.t, state.names):
             return self._last
-        columns = state.pos, state.vel, state.quat, state.age[:, None]
-        states = np.concatenate(columns, axis=1, dtype=np.float64)  # (n, 11)
+        states = state_rows(state)
         acc, std = np.empty(state.pos.shape), np.empty(state.pos.shape)
         status = np.empty(len(state.names), dtype=np.uint8)
         if self._jet is None or self._late:
