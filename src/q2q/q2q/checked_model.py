@@ -11,8 +11,10 @@ from q2q_model.downwash.interaction_model import (
     Reach,
     pairs_at_rest,
 )
+from q2q_model.geometry.pair_reach import beyond_reach
 from q2q_model.geometry.rotations import UP
 from q2q_model.signals.checked_array import checked_array, own_copy
+from q2q_model.signals.stamps import SAME_INSTANT
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.checked_wake import LARGEST_ACC
 
@@ -57,6 +59,9 @@ class CheckedModel:
         """Return the model's transport delay [s], (...,)."""
         given = self._numbers("delay", self._model.delay(rel_pos.copy()), rel_pos.shape[:-1])
         self._require("delay", given, (given >= 0.0) & (given < math.inf), (rel_pos,))
+        far = beyond_reach(rel_pos, rel_pos, (self._reach.horizontal, self._reach.vertical))
+        needed = f"must be at most max_delay = {self._max_delay:g} s within reach"
+        self._require("delay", given, far | (given <= self._max_delay + SAME_INSTANT), (rel_pos,), needed)
         return given
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
@@ -96,7 +101,9 @@ class CheckedModel:
         except ValueError as error:
             raise ModelOutputError(f"{self._name}: {what} {error}") from error
 
-    def _require(self, what: str, given: Array, allowed: Mask, inputs: tuple[Array, ...]) -> None:
+    def _require(
+        self, what: str, given: Array, allowed: Mask, inputs: tuple[Array, ...], needed: str = ""
+    ) -> None:
         """Raise ModelOutputError for the first pair of finite inputs whose output is not allowed."""
         if allowed.all():
             return
@@ -105,9 +112,8 @@ class CheckedModel:
         if wrong.size:
             pair = int(wrong[0])
             rel_pos, value = (one.reshape(allowed.size, -1)[pair] for one in (inputs[0], given))
-            raise ModelOutputError(
-                f"{self._name}: {what} for a source at rel_pos {rel_pos} m is {value}; {NEEDED[what]}", pair
-            )
+            there = f"{what} for a source at rel_pos {rel_pos} m is {value}"
+            raise ModelOutputError(f"{self._name}: {there}: {needed or NEEDED[what]}", pair)
 
 
 def _is_length(value: object) -> bool:

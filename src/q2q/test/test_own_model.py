@@ -73,6 +73,17 @@ class Early(Steady):
         return np.full(rel_pos.shape[:-1], -0.1)
 
 
+class Late(Steady):
+    """Model whose air takes 0.2 s a metre, everywhere, and whose largest delay is that of `longest` [m]."""
+
+    def __init__(self, longest: float) -> None:
+        self.max_delay = 0.2 * longest
+
+    def delay(self, rel_pos: Array) -> Array:
+        """Return the delay."""
+        return 0.2 * np.abs(rel_pos[..., 2])
+
+
 class Doubtful(Steady):
     """Model with a negative deviation."""
 
@@ -124,13 +135,15 @@ def test_a_wrong_output_in_flight_names_the_vehicles_and_what_is_allowed(control
 @pytest.mark.parametrize(
     ("model", "message"),
     [
-        (Hurricane(), r"acceleration for .* is \[10000. .*; must be finite and at most 1000 m/s\^2 in"),
-        (Scalar(), r"acceleration is float64 of shape \(3,\); must be floats of shape \(12, 3\)$"),
-        (NoBatch(), r"acceleration is float64 of shape \(24, 3\); must be floats of shape \(2, 12, 3\)$"),
-        (Early(), r"delay for .* is \[-0.1\]; must be finite and at least 0 s$"),
-        (Doubtful(), r"deviation for .* is \[-1. -1. -1.\]; must be in \[0, 1000\] m/s\^2, or NaN where"),
-        (Boundless(), r"reach is \(0.5, 2.0\); must be a Reach of finite distances \[m\]$"),
-        (Timeless(), r"max_delay is nan; must be a finite time \[s\]$"),
+        (Hurricane(), r"acceleration for .* is \[10000. .*: finite numbers of at most 1000 m/s\^2 are"),
+        (Scalar(), r"acceleration is float64 of shape \(3,\): floats of shape \(12, 3\) are needed$"),
+        (NoBatch(), r"acceleration is float64 of shape \(24, 3\): floats of shape \(2, 12, 3\) are needed$"),
+        (Early(), r"delay for .* is \[-0.1\]: finite numbers of 0 s or more are needed$"),
+        (Late(0.5), r"delay for .* -1. *\] m is \[0.2\]: must be at most max_delay = 0.1 s within reach$"),
+        (Late(0.0), r"delay for .* -1. *\] m is \[0.2\]: must be at most max_delay = 0 s within reach$"),
+        (Doubtful(), r"deviation for .* is \[-1. -1. -1.\]: 0 to 1000 m/s\^2 is needed, or NaN where"),
+        (Boundless(), r"reach is \(0.5, 2.0\): a Reach of finite distances \[m\] is needed$"),
+        (Timeless(), r"max_delay is nan: a finite time \[s\] is needed$"),
     ],
 )
 def test_a_model_that_cannot_be_flown_with_is_refused_before_the_flight(model: Steady, message: str):
@@ -138,6 +151,12 @@ def test_a_model_that_cannot_be_flown_with_is_refused_before_the_flight(model: S
         q2q.fly(STACK, model=model)
     with pytest.raises(ModelOutputError, match=message):
         q2q.plan(STACK, around=replace(q2q.load_model("none"), interaction=model))
+
+
+def test_a_delay_up_to_the_longest_within_reach_is_that_of_the_model() -> None:
+    """Beyond reach, 2 m of height, there is no downwash: how long its air would take does not matter."""
+    at = np.array([[0.0, 0.0, 2.0], [0.0, 0.0, -1.9], [0.0, 0.0, 3.0], [0.6, 0.0, 5.0]])
+    np.testing.assert_array_equal(CheckedModel(Late(2.0)).delay(at), 0.2 * np.abs(at[:, 2]))
 
 
 @pytest.mark.parametrize("given", [3, None, Steady, lambda rel_pos, _: rel_pos])
