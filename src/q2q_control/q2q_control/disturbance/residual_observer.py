@@ -15,7 +15,8 @@ with the downwash, so turbulence under a wake is followed at once and noise in c
 With y missing, the positions correct alone: an observer of disturbances with the poles that the process sets.
 A sample y of age s is one of exp(-s / T) w with the variance R + (1 - exp(-2 s / T)) sigma^2, so an older one
 weighs less. With both missing w^ fades within T, and the model and the offset remain. Thrust enters as
-commanded, limits included, so nothing winds up at a limit.
+commanded, limits included, so nothing winds up at a limit. On the ground, which carries the vehicle
+(q2q_model.downwash.correction.in_flight), w^ and b^ are 0.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -84,20 +85,27 @@ class ResidualObserver:
         self._sigma = np.zeros(0)
         self.estimate = ResidualEstimate(np.zeros((0, 4)), np.zeros((0, 4, 4)))
 
-    def update(self, measured: Measurement, eta: Array) -> Array:
-        """Return the state at the measurement's time, (n, 4), given the predicted downwash (n,) [m/s^2]."""
+    def update(self, measured: Measurement, eta: Array, flying: Mask) -> Array:
+        """Return the state at the measurement's time, (n, 4).
+
+        Args:
+            measured: of every vehicle.
+            eta: predicted downwash [m/s^2], (n,).
+            flying: vehicles that their rotors carry, (n,).
+        """
         if measured.names != self._names:
             self._reorder(measured.names)
         step, self._t = measured.t - self._t, measured.t
         if not 0.0 < step <= GAP_MAX:
             self._known[:] = False
             step = GAP_MAX  # of no consequence: no row is known
+        self._known &= flying
         self._sigma = self._process.std(eta)
         *motion, fresh = measured.rows
         height, climb, acc = (column[:, 2].copy() for column in motion)
         rows = ResidualRows(height, climb, acc, self._sigma, fresh)
         predict_and_correct(self.estimate, self._known, rows, step, self._process.correlation(step))
-        self._known |= fresh
+        self._known |= fresh & flying
         return self.estimate.state.copy()
 
     def correct_by_accelerometer(self, t: float, push: Array) -> None:

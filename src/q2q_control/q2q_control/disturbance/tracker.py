@@ -23,6 +23,7 @@ from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RES
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
 from q2q_model.compiled import compiled
+from q2q_model.downwash.correction.in_flight import InFlight
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import (
     TRACKED,
@@ -90,7 +91,7 @@ class DisturbanceTracker:
         self._residual_observer = None if residual_process is None else ResidualObserver(residual_process)
         self._accelerometers = AccelerometerResidual()
         self._most, self._mass = params.disturbance_max, vehicle.mass
-        self._actuation = Actuation(vehicle, params.latency)
+        self._actuation, self._in_flight = Actuation(vehicle, params.latency), InFlight(vehicle)
         self._observer = DisturbanceObserver(
             params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
@@ -100,6 +101,7 @@ class DisturbanceTracker:
     def reset(self) -> None:
         """Forget everything."""
         self._actuation.reset()
+        self._in_flight.reset()
         self._observer.reset()
         self._accelerometers.reset()
         if self._residual_observer is not None:
@@ -117,7 +119,8 @@ class DisturbanceTracker:
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._residual_observer is not None:
             eta, quat = self._eta[:, 2], tick.table[:, QUAT].copy()
-            vertical = self._residual_observer.update(measured, eta)
+            flying = self._in_flight.update(tick.names, self._actuation.thrust)
+            vertical = self._residual_observer.update(measured, eta, flying)
             estimate, residual = _with_vertical(estimate, vertical, self._most), vertical[:, RESIDUAL]
             now = ExplainedTick(tick.t, tick.names, quat, acc[:, 2] + GRAVITY + eta)
             self._correct(self._accelerometers.explain(now))

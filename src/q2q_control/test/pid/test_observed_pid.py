@@ -12,8 +12,9 @@ from q2q_control.inputs.alignment import align
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Names, SwarmImu
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
 
 DT = 0.01
@@ -77,6 +78,21 @@ def test_thrust_lag_and_tilt_are_explained_and_not_taken_for_disturbance():
         pos, vel, thrust = pos + DT * vel + 0.5 * DT**2 * acc, vel + DT * acc, after
     # thrust within a tick is not constant: the position is off by its curvature, 1e-6 m
     assert np.abs(pid._tracker._observer.estimate.disturbance).max() < 0.02
+
+
+def test_ground_that_carries_a_vehicle_is_no_push_after_its_take_off() -> None:
+    """It stands for 5 s with its motors off; half a second after its take-off nothing is left."""
+    tracker = DisturbanceTracker(TrackerParams(latency=0.0), CRAZYFLIE_2_0, REAL_FLIGHTS)
+    for k in range(550):
+        state, setpoint, interference = swarm(("cf1",), k * DT)
+        tick, lifted = align(state, setpoint, interference), k >= 500
+        vertical = tracker.update(tick)
+        thrust = np.array([CRAZYFLIE_2_0.hover_thrust if lifted else 0.0])
+        tracker.sent(level_command(k * DT, ("cf1",), thrust), tick)
+        tracker.sense(SwarmImu(k * DT, ("cf1",), np.array([[0.0, 0.0, GRAVITY]]), np.zeros((1, 3))))
+        if 10 < k <= 500:
+            assert vertical.residual[0] == vertical.estimate.disturbance[0, 2] == 0.0
+    assert abs(vertical.estimate.disturbance[0, 2]) < 0.1
 
 
 PUSHED = {"cf1": -4.0, "cf2": 0.0, "cf3": -1.0}

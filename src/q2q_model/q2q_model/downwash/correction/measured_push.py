@@ -2,6 +2,8 @@
 
     y_i = (R f_body)_z - lagged(U1) b_z / m
 
+of vehicles in flight (q2q_model.downwash.correction.in_flight): on the ground, y would be what it carries.
+
 | symbol | name | meaning [unit] |
 |---|---|---|
 | f_body | specific_force_body | accelerometer [m/s^2] |
@@ -11,8 +13,9 @@
 
 import numpy as np
 
+from q2q_model.downwash.correction.in_flight import InFlight
 from q2q_model.geometry.rotations import UP, rotate
-from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
+from q2q_model.signals.values import Array, Mask, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 
 LONGEST_STEP = 0.1
@@ -23,17 +26,20 @@ class MeasuredPush:
     """Measurement of pushes, with the thrust that the rotors give by now."""
 
     def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
+        self._vehicle, self._in_flight = vehicle, InFlight(vehicle)
         self.reset()
 
     def reset(self) -> None:
-        """Forget the thrust."""
+        """Forget the thrust, and which vehicles fly."""
+        self._in_flight.reset()
+        self.flying: Mask = np.zeros(0, dtype=np.bool_)
+        """Vehicles that flew in the last tick, (n,), in its order."""
         self._names: Names = ()
         self._thrust: Array = np.zeros(0)
         self._t = -np.inf
 
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> Array:
-        """Return y [m/s^2], (n,), in the order of `state`; NaN if a sensor or command is missing."""
+        """Return y [m/s^2], (n,), as in `state`; NaN on the ground, or if a sensor or command is missing."""
         passed, self._t = state.t - self._t, state.t
         dt = passed if 0.0 <= passed < LONGEST_STEP else LONGEST_STEP
         if state.names != self._names:
@@ -47,4 +53,5 @@ class MeasuredPush:
         felt = rows_by_name(imu.specific_force_body, imu.names, state.names, np.nan)
         force = rotate(state.quat, felt)[:, 2]
         body_z = rotate(state.quat, UP)[:, 2]
-        return np.asarray(force - self._thrust * body_z / self._vehicle.mass)
+        self.flying = self._in_flight.update(state.names, self._thrust)
+        return np.where(self.flying, force - self._thrust * body_z / self._vehicle.mass, np.nan)
