@@ -10,6 +10,7 @@ from crtp_asked import ask
 from cflib_fleet import CflibFleet
 from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
 from q2q_sim.crtp.tables.log_toc import VARIABLES
+from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
 from q2q_sim.firmware.firmware_build import Build
@@ -199,6 +200,15 @@ def test_the_barometer_reads_the_pressure_of_the_height(grounded: CflibFleet) ->
     height = ((1015.7 / read["pressure"]) ** 0.1902630958 - 1.0) * (25.0 + 273.15) / 0.0065
     assert (read["asl"], height) == (pytest.approx(8.0), pytest.approx(8.0))
     assert 1015.7 - read["pressure"] == pytest.approx(8.0 * 0.118, rel=0.02)  # 11.8 Pa a metre at 25 deg C
+
+
+@pytest.mark.parametrize("height", [298.15 / -0.0065, -50e3, -3e38, math.nan])
+def test_a_height_without_a_pressure_is_logged_as_not_a_number(grounded: CflibFleet, height: float) -> None:
+    """An external position in millimetres ended the room of all vehicles: the pressure was complex."""
+    grounded.swarm.state[0, 2] = height
+    (pressure,) = (one for one in VARIABLES if (one.group, one.name) == ("baro", "pressure"))
+    sent = TYPES[pressure.kind].packed(pressure.read(grounded.firmware()))
+    assert math.isnan(struct.unpack("<f", sent)[0])
 
 
 def test_ranges_are_those_along_the_body_axes_to_the_walls_and_0_without_a_deck() -> None:

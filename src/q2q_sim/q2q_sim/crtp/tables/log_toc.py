@@ -115,9 +115,13 @@ def _flow(firmware: Firmware) -> LogValues:
 
 
 def _baro(height: float) -> LogValues:
-    """Return height above sea level [m], temperature [deg C] and pressure [mbar]; the floor is at the sea."""
+    """Return height above sea level [m], temperature [deg C] and pressure [mbar]; the floor is at the sea.
+
+    The formula ends 45.87 km below the sea: from there on the pressure is NaN, as of powf in C.
+    """
     kelvin = ROOM_TEMPERATURE + 273.15
-    pressure = SEA_LEVEL * (1.0 + LAPSE * height / kelvin) ** (-1.0 / ASL_EXPONENT)
+    ratio = 1.0 + LAPSE * height / kelvin
+    pressure = SEA_LEVEL * ratio ** (-1.0 / ASL_EXPONENT) if ratio > 0.0 else math.nan
     return height, ROOM_TEMPERATURE, pressure
 
 

@@ -24,7 +24,7 @@ class NumberType:
     def packed(self, value: float) -> bytes:
         """Return a value as the firmware casts it: integers towards zero and modulo the width."""
         if not self.integer:
-            return self.layout.pack(value if abs(value) <= self.high else math.copysign(math.inf, value))
+            return self.layout.pack(math.copysign(math.inf, value) if abs(value) > self.high else value)
         bits = 8 * self.layout.size
         wrapped = int(value if math.isfinite(value) else 0.0) % (1 << bits)
         return wrapped.to_bytes(self.layout.size, "little")
