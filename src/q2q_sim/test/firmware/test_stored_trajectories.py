@@ -135,3 +135,18 @@ def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined
         assert wire.answers[-1][-1] == answer
     crazyflies.start_trajectory(31)
     assert (wire.answers[-1][-1], planner.state) == (PlannerResult.OK, PlanState.IDLE)
+
+
+@pytest.mark.parametrize(
+    "yaw", [b"\x00\x00\x80\x7f", b"\x01\x00\xa0\x7f"], ids=["infinity", "signalling NaN"]
+)
+def test_an_uploaded_yaw_of_no_number_is_computed_as_in_c_without_a_warning(
+    grounded: CflibFleet, yaw: bytes
+) -> None:
+    upload(grounded, struct.pack("<24f", *[0.0] * 24) + yaw + struct.pack("<8f", *[0.0] * 7, 1.0))
+    vehicle = grounded.fleet.vehicles[0]
+    vehicle.handle(b"\x8c" + struct.pack("<BBBBIB", 6, 1, 1, 0, 0, 1))
+    answer = vehicle.handle(b"\x8c" + struct.pack("<6Bf", 13, 0, 1, 1, 0, 1, 1.0))
+    assert answer == [b"\x8c\x0d\x00\x01\x00"]
+    assert grounded.firmware().planner.goal(grounded.firmware().seconds) is None
+    assert grounded.firmware().planner.state == PlanState.DISABLED

@@ -193,8 +193,9 @@ def _stored(memory: bytearray, one: Uploaded) -> range:
     return range(one.offset, one.offset + one.pieces * PIECE_BYTES)
 
 
+@np.errstate(all="ignore")
 def _piece(memory: bytearray, at: int) -> Piece:
-    """Return the uploaded piece at an offset."""
+    """Return the uploaded piece at an offset; its bytes may be any, a signalling NaN too."""
     numbers = np.frombuffer(memory, dtype="<f4", count=PIECE_BYTES // 4, offset=at).astype(np.float64)
     return Piece(float(numbers[32]), numbers[:32].reshape(4, 8))
 

@@ -13,8 +13,9 @@ PI = np.float32(math.pi)
 TURN = np.float32(2.0) * PI
 
 
+@np.errstate(all="ignore")
 def wrap_yaw(yaw: float) -> float:
-    """Return a yaw [rad] within a half turn of 0, with the firmware's ends; NaN stays NaN."""
+    """Return a yaw [rad] within a half turn of 0, with the firmware's ends; NaN if it is not finite."""
     given = np.float32(yaw)
     half = np.copysign(PI, given)
     return float(np.fmod(given + half, TURN) - half)
