@@ -20,8 +20,8 @@ from q2q_sim.air.air_terms import RateLoadTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
-from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.vehicle_spread import spread_of_vehicles
 
 FEWEST_ROWS = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
@@ -41,8 +41,10 @@ def rate_load_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTer
     if not each:
         return None
     loads = np.array(each)
-    found = estimate_spread(
-        lambda weight: np.array([max(np.median(np.repeat(loads, weight.astype(np.intp))), 0.0)]), loads.size
+    found = spread_of_vehicles(
+        lambda weight: np.array([max(np.median(np.repeat(loads, weight.astype(np.intp))), 0.0)]),
+        loads.size,
+        0.0,
     )
     source = "flights of vehicles that turn in clear air"
     value = fitted_value(found, 0, "rate_load.nms", loads.size, source)

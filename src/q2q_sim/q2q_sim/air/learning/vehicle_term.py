@@ -19,8 +19,13 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.air_terms import VehicleTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.records.motor_curve import MotorCurve, motor_curves, usual_power
-from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.vehicle_spread import (
+    deviation_of_draws,
+    deviation_spread,
+    mean_spread,
+    spread_of_vehicles,
+)
 
 FEWEST_CLEAR = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
@@ -91,14 +96,12 @@ def _offsets(records: Sequence[AirRecord], vehicle: Vehicle) -> Array:
 
 
 def _spread_of_offsets(offsets: Array, mass: float) -> list[Fitted]:
-    def estimate(weight: Array) -> Array:
-        mean = float(weight @ offsets / weight.sum())
-        around = float(weight @ (offsets - mean) ** 2)
-        return np.array([mean, np.sqrt(around / max(weight.sum() - 1.0, 1.0))])
-
-    found = estimate_spread(estimate, offsets.size)
+    spreads = (mean_spread(offsets), deviation_of_draws(offsets))
     source = f"flights of vehicles, for a mass of {mass * 1e3:.1f} g"
-    return [fitted_value(found, k, path, offsets.size, source) for k, path in enumerate(OFFSETS)]
+    return [
+        fitted_value(spread, 0, path, offsets.size, source)
+        for spread, path in zip(spreads, OFFSETS, strict=True)
+    ]
 
 
 def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
@@ -111,23 +114,29 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
         ]
     start = [one.start_volts for one in curves]
     full, empty = max(start), min(start)
-
-    def estimate(weight: Array) -> Array:
-        drawn = [one for one, times in zip(curves, weight, strict=True) for _ in range(int(times))]
-        power = usual_power(drawn)
-        each = np.array([[one.headroom(volts, power) for one in drawn] for volts in (full, empty)])
-        at_full, at_empty = np.median(each, axis=1)
-        per_volt = (at_full - at_empty) / (full - empty) if full > empty else 0.0
-        started = np.array([one.headroom(one.start_volts, power) for one in drawn])
-        discharge = np.median([one.discharge for one in drawn])
-        work = np.array([one.work for one in drawn])
-        between = started.std(ddof=min(1, len(drawn) - 1))
-        apart = np.sqrt(((work - 1.0) ** 2).sum() / (3.0 * len(work)))  # three free of four with a known mean
-        return np.array([np.median(started), per_volt, discharge, between, apart])
-
     source = f"flights of vehicles with a motor log, {empty:.2f} to {full:.2f} V at hover"
-    found = estimate_spread(estimate, len(curves))
+    found = spread_of_vehicles(
+        lambda weight: _usual_headroom(_drawn(curves, weight), full, empty), len(curves)
+    )
+    power = usual_power(curves)
+    between = deviation_of_draws(np.array([one.headroom(one.start_volts, power) for one in curves]))
+    work = np.array([one.work for one in curves])
+    apart = deviation_spread(float(((work - 1.0) ** 2).sum()), 3 * len(curves))  # of four with a known mean
     return [
-        fitted_value(found, k, path, len(curves), source)
-        for k, path in enumerate((*HEADROOM, BETWEEN, MOTORS))
+        *(fitted_value(found, k, path, len(curves), source) for k, path in enumerate(HEADROOM)),
+        fitted_value(between, 0, BETWEEN, len(curves), source),
+        fitted_value(apart, 0, MOTORS, len(curves), source),
     ]
+
+
+def _usual_headroom(curves: Sequence[MotorCurve], full: float, empty: float) -> Array:
+    """Return headroom at the start, its loss by volt between two voltages, and discharge: medians, (3,)."""
+    power = usual_power(curves)
+    at_full, at_empty = (np.median([one.headroom(volts, power) for one in curves]) for volts in (full, empty))
+    per_volt = (at_full - at_empty) / (full - empty) if full > empty else 0.0
+    started = np.median([one.headroom(one.start_volts, power) for one in curves])
+    return np.array([started, per_volt, np.median([one.discharge for one in curves])])
+
+
+def _drawn(curves: Sequence[MotorCurve], weight: Array) -> list[MotorCurve]:
+    return [one for one, times in zip(curves, weight, strict=True) for _ in range(int(times))]

@@ -4,16 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from q2q_model.signals.values import Array
 from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, vehicle_gain
-from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
+from q2q_sim.air.learning.statistics.vehicle_spread import deviation_of_draws
 
 FEWEST_ROWS = 100
 """Fewest exposed rows of a vehicle for its gain: 1 s at 100 Hz."""
 FEWEST_STRETCHES = 3
 """Fewest stretches of 2 s with exposed rows of a vehicle for the error of its gain."""
 PATH = "residual.gain_std"
+SOURCE = "flights of vehicles under another"
 
 
 def gain_spread(wakes: Sequence[WakeResiduals]) -> Fitted:
@@ -32,14 +33,8 @@ def gain_spread(wakes: Sequence[WakeResiduals]) -> Fitted:
             residual = sums[:, 0] - gain * sums[:, 1]
             gains.append(gain)
             errors.append(float(residual @ residual) / sums[:, 1].sum() ** 2)
-    each, own = np.array(gains), np.array(errors)
-
-    def estimate(weight: Array) -> Array:
-        if weight.sum() < 2.0:
-            return np.zeros(1)
-        mean = weight @ each / weight.sum()
-        between = weight @ (each - mean) ** 2 / (weight.sum() - 1.0) - weight @ own / weight.sum()
-        return np.array([np.sqrt(max(between, 0.0))])
-
-    found = estimate_spread(estimate, each.size)
-    return fitted_value(found, 0, PATH, each.size, "flights of vehicles under another")
+    if not gains:
+        return Fitted(PATH, 0.0, None, None, 0, SOURCE)
+    return fitted_value(
+        deviation_of_draws(np.array(gains), float(np.mean(errors))), 0, PATH, len(gains), SOURCE
+    )

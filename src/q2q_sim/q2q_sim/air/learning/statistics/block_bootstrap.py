@@ -2,6 +2,9 @@
 
 Blocks are flights if there are enough, else stretches of time, in which the vehicles of a flight stay
 together. An estimate takes the weight of each block: ones for the value, multinomial counts for the draws.
+The ends of an interval are the percentiles Phi(-t sqrt(n / (n - 1))) and its complement, with Student's t of
+n - 1 degrees of freedom for n blocks (Hesterberg, The American Statistician 69, 2015). In simulations they
+hold the mean of normal blocks in 75 % with 3 of them, 85 to 94 % with 4 to 10, 92 to 96 % with more.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,12 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr, stdtrit
 
 from q2q_model.identification.statistics.intervals import LEVEL, MANY
 from q2q_model.signals.values import Array
 
 BLOCK = 2.0
 """Length of a stretch [s]: twenty correlation times of the residual."""
+FEWEST = 3
+"""Fewest blocks for an interval."""
 DRAWS = 200
 SEED = 0
 
@@ -58,7 +64,7 @@ def cell_sums(values: Array, blocks: BlockOfRows, cells: BlockOfRows, count: int
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """Values and their 95 % intervals, (p,); NaN where one block alone gives no interval."""
+    """Values and their 95 % intervals, (p,); NaN where too few blocks give none."""
 
     value: Array
     low: Array
@@ -68,21 +74,26 @@ class Spread:
 def estimate_spread(estimate: WeightedEstimate, count: int) -> Spread:
     """Return an estimate from `count` blocks with its interval."""
     value = estimate(np.ones(count))
-    if count < 2:
+    if count < FEWEST:
         unknown = np.full_like(value, np.nan)
         return Spread(value, unknown, unknown)
+    beyond = ndtr(-stdtrit(count - 1, 0.5 + 0.5 * LEVEL) * np.sqrt(count / (count - 1.0)))
+    low, high = np.nanquantile(bootstrap_draws(estimate, count), (beyond, 1.0 - beyond), axis=0)
+    return Spread(value, low, high)
+
+
+def bootstrap_draws(estimate: WeightedEstimate, count: int) -> Array:
+    """Return an estimate from `count` blocks drawn with replacement, DRAWS times, (DRAWS, p)."""
     rng = np.random.default_rng(SEED)
     even = np.full(count, 1.0 / count)
-    draws = [estimate(rng.multinomial(count, even).astype(np.float64)) for _ in range(DRAWS)]
-    low, high = np.nanquantile(draws, (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL), axis=0)
-    return Spread(value, low, high)
+    return np.array([estimate(rng.multinomial(count, even).astype(np.float64)) for _ in range(DRAWS)])
 
 
 def slope_spread(products: Array, blocks: BlockOfRows) -> Spread | None:
     """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2).
 
-    None without a row whose x is not 0: they show no slope. Blocks without one are left out; a single block
-    with one gives no interval.
+    None without a row whose x is not 0: they show no slope. Blocks without one are left out; fewer than
+    FEWEST with one give no interval.
     """
     sums = block_sums(products, blocks)
     shown = sums[sums[:, 1] != 0.0]
