@@ -8,10 +8,16 @@ from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares
 
 
 @pytest.mark.parametrize("orders", [4, 8])
-def test_an_interval_of_random_orders_holds_the_share_in_95_percent(orders: int) -> None:
-    found = np.random.default_rng(1).normal(size=(1, orders, 20000))  # each cause a draw; the share is 0
+@pytest.mark.parametrize("alike", [0.0, 0.9])
+def test_an_interval_of_random_orders_holds_the_share_in_95_percent_or_more(
+    orders: int, alike: float
+) -> None:
+    """Whether the shares in an order and in its reverse are independent or nearly the same."""
+    rng = np.random.default_rng(1)
+    pair, each = rng.normal(size=(2, 1, orders, 20000))  # each cause a draw; the share is 0
+    found = np.sqrt(alike) * np.repeat(pair[:, ::2], 2, axis=1) + np.sqrt(1.0 - alike) * each
     held = np.abs(found[0].mean(axis=0)) <= half_widths_of_shares(found, exact=False)
-    assert held.mean() == pytest.approx(0.95, abs=0.006)  # four standard errors of 20000 draws
+    assert 0.944 <= held.mean() <= 0.99  # four standard errors of 20000 draws below 0.95
 
 
 def test_an_interval_of_reversed_orders_holds_the_share_of_all_orders() -> None:

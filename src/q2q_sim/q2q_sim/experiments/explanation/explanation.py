@@ -3,13 +3,13 @@
 The shares are Shapley values (q2q_sim.experiments.explanation.shapley) of the flight with its own seed. Their
 95 % interval, which holds the share of a flight with another seed, is share +- w,
 
-    w^2 = (t_o s_o)^2 + 2 (t_s s_s)^2
+    w^2 = w_o^2 + 2 (t s)^2
 
 | symbol | meaning |
 |---|---|
-| s_o | standard error over random orders; 0 if all are flown [m] |
-| s_s | standard deviation between draws of noise, losses and gusts; 0 if one is flown [m] |
-| t_o, t_s | Student's t of one degree of freedom less than there are orders, and draws [-] |
+| w_o | half width over random orders (half_widths_of_orders); 0 if all are flown [m] |
+| s | standard deviation between draws of noise, losses and gusts; 0 if one is flown [m] |
+| t | Student's t of one degree of freedom less than there are draws [-] |
 
 The 2 is because the difference of two flights has the variance of both.
 """
@@ -26,19 +26,18 @@ from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_setup import FlightSetup, fly_setup
 from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, loss_over_time
 from q2q_sim.experiments.explanation.shapley import (
+    UPPER,
     CauseOrder,
     ValueOfCauses,
     all_orders_fit,
+    half_widths_of_orders,
     orders_of,
     shapley_shares,
-    standard_error,
 )
 from q2q_sim.random_streams import stream
 
 AFTER = 1.0
 """Time that is flown beyond the loss, in which a flight without a cause may lose later [s]."""
-UPPER = 0.975
-"""Level of the upper end of a two-sided 95 % interval [-]."""
 
 Follow = Callable[[float], None]
 """Function of the finished share of the work, 0 to 1."""
@@ -49,7 +48,7 @@ class ExplanationParams:
     """Effort of an explanation."""
 
     orders: int = 8
-    """Orders of the causes, even and at least 4; all of them where there are no more."""
+    """Orders of the causes, even and at least 4; all of them where they need no more flights."""
     draws: int = 3
     """Draws of noise, losses and gusts that are flown: of the flight's own seed and those after it."""
     kind: LossKind = "distance"
@@ -143,9 +142,9 @@ def loss_without(setup: FlightSetup, loss: Loss) -> ValueOfCauses:
 
 def half_widths_of_shares(found: Array, *, exact: bool) -> Array:
     """Return w of each cause from its shares (draws, orders, causes); `exact` means all orders."""
-    draws, orders, causes = found.shape
+    draws, _, causes = found.shape
     none = np.zeros(causes)
-    by_order = none if exact else stdtrit(orders - 1, UPPER) * standard_error(found[0])
+    by_order = none if exact else half_widths_of_orders(found[0])
     by_draw = none if draws == 1 else stdtrit(draws - 1, UPPER) * found.mean(axis=1).std(axis=0, ddof=1)
     return np.asarray(np.hypot(by_order, np.sqrt(2.0) * by_draw))
 
