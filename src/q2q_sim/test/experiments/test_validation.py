@@ -83,6 +83,19 @@ def test_a_flight_whose_law_cannot_be_read_is_left_out_and_the_others_are_compar
     assert "validate: left out: flight mute cannot be flown again" in capsys.readouterr().err
 
 
+def test_a_vehicle_under_another_with_little_clear_air_is_named(
+    flight: TrackedFlight, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _all_flown(
+        [replace(flight, name="short", scored=np.zeros(2, dtype=np.bool_))], RoomAir(), CRAZYFLIE_2_0, 2
+    )
+    notes = capsys.readouterr().err
+    assert "short: cf1 is not compared, as it has fewer than 200 rows in clear air" in notes
+    assert "short: only clear air is compared" in notes
+    assert "cf2" not in notes  # never under another
+    assert "no row under another vehicle" not in notes
+
+
 def test_a_draw_has_the_recorded_headroom_of_each_vehicle_and_no_second_drag(flight: TrackedFlight) -> None:
     own = VehicleTerm(0.0, 0.0, 0.07, 1.9, 0.0, 0.0, headroom_std=0.2)
     room = RoomAir(vehicle=own, rotor_drag=RotorDragTerm(0.4))

@@ -9,6 +9,7 @@ from pathlib import Path
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.duplicates.same_flight import fit_remarks
 from q2q_model.identification.push.log_mass_note import log_mass_notes
+from q2q_model.identification.push.push_samples import FEWEST_FREE
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.lookup.find_air import FlownAir
@@ -107,10 +108,23 @@ def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: in
 def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -> ValidatedFlight:
     make = draws_in(air, flight, vehicle)
     one = validate_flight(flight, vehicle_of_room(air, vehicle), make, range(draws))
-    if not one.has_wake:
-        _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
+    for note in _wake_notes(flight, has_wake=one.has_wake):
+        _say(note)
     print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))
     return one
+
+
+def _wake_notes(flight: TrackedFlight, *, has_wake: bool) -> list[str]:
+    """Return which vehicles under another are not compared, and whether clear air alone is."""
+    under = flight.exposed.any(axis=0)
+    few = [name for name, one in zip(flight.names, under & ~flight.scored, strict=True) if one]
+    notes = [
+        f"{flight.name}: {name} is not compared, as it has fewer than {FEWEST_FREE} rows in clear air"
+        for name in few
+    ]
+    if not under.any():
+        return [f"{flight.name} has no row under another vehicle: only its clear air is compared"]
+    return notes if has_wake else [*notes, f"{flight.name}: only clear air is compared"]
 
 
 def _line(name: str, one: Comparison) -> str:
