@@ -2,19 +2,34 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.gains.gain_agreement import FlightGain
 from q2q_model.identification.push.sensor_check import MOST_OFFSET, mass_remedy
 from q2q_model.recordings.flight_recording import Recording
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 LIMITED = 0.1
 """Share of rows at the limit of a velocity setpoint from which it is reported [-]."""
+ROUNDED_TO = 1e-3
+"""Resolution of positions from which it is reported [m]."""
+ROUNDING_ERROR = 1e-3
+"""Largest deviation of a rounded position from a multiple of ROUNDED_TO, over it: single precision [-]."""
+MOST_ROUNDED = 0.9
+"""Share of rounded heights from which positions are: others lie between, interpolated or repaired [-]."""
 
 
 def gain_notes(fit: GainFit, recordings: Sequence[Recording], vehicle: Vehicle) -> list[str]:
     """Return what limits the use of gains that the commands of recordings gave."""
-    return [*_weight_note(fit, vehicle), *_limit_note(fit), *_sign_note(fit), *_filter_note(recordings)]
+    return [
+        *_weight_note(fit, vehicle),
+        *_limit_note(fit),
+        *_sign_note(fit),
+        *_filter_note(recordings),
+        *_rounding_note(recordings),
+    ]
 
 
 def difference_note(least: FlightGain, most: FlightGain) -> list[str]:
@@ -89,3 +104,25 @@ def _filter_note(recordings: Sequence[Recording]) -> list[str]:
             "(4.7 for 5 by noise of 0.3 mm, 3.5 by 1 mm): record the topic state"
         )
     ]
+
+
+def _rounding_note(recordings: Sequence[Recording]) -> list[str]:
+    """Return a note if positions were logged in whole millimetres, which the controller's were not."""
+    rounded = [one.flight.name for one in recordings if in_whole_millimetres(one.flight.pos[..., 2])]
+    if not rounded:
+        return []
+    return [
+        (
+            f"positions are in whole millimetres in {len(rounded)} of {len(recordings)} flights: K_p and K_d "
+            "are too small, beyond their intervals, where vehicles keep close to their references (8.9 for "
+            "10 and 4.7 for 5 in quiet flight): log positions to 0.1 mm, or fly larger motions"
+        )
+    ]
+
+
+def in_whole_millimetres(height: Array) -> bool:
+    """Return whether heights [m], (T, n), that vary are multiples of ROUNDED_TO."""
+    units = height[np.isfinite(height)] / ROUNDED_TO
+    off = np.abs(units - np.round(units))
+    varies = bool(units.size) and float(np.ptp(units)) > 1.0
+    return varies and float((off < ROUNDING_ERROR).mean()) > MOST_ROUNDED
