@@ -4,8 +4,9 @@ One jet is fitted to other flights of the same family; its form is chosen by cro
 flights, so that no flight is scored by a model that it helped to fit or to choose. The other jet is fitted to
 the other family alone. The reference is what the vehicles' own network said in flight (`fa_ff`: Shi et al.,
 Neural-Swarm2, T-RO 2021), on the same rows and by the same rule
-(q2q_model.identification.push.push_samples). That network was trained on flights of this source; in the
-family dc19 it was off. Needs the flights of Q2Q_DATA.
+(q2q_model.identification.push.push_samples), its force divided by the mass by which the measured one is. That
+network was trained on flights of this source; in the family dc19 it was off. Vehicles with too little clear
+air to be scored are named. Needs the flights of Q2Q_DATA.
 """
 
 import os
@@ -22,8 +23,15 @@ from q2q_model.identification.jet.held_out_deviation import with_held_out_deviat
 from q2q_model.identification.jet.jet_deviation import Z95
 from q2q_model.identification.jet.jet_fit import fit_to_pushes
 from q2q_model.identification.jet.jet_form import JetForm
-from q2q_model.identification.push.push_samples import PushSamples, push_samples, residual_of
-from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.identification.push.push_samples import (
+    FEWEST_FREE,
+    PushRecord,
+    PushSamples,
+    push_samples,
+    residual_of,
+    scored_rows,
+)
+from q2q_model.identification.push.recorded_push import log_mass, push_record
 from q2q_model.identification.push.residual import predicted_residual
 from q2q_model.identification.selection.model_choice import MARGIN
 from q2q_model.recordings.flight_recording import Recording
@@ -37,8 +45,6 @@ FLIGHTS = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
 FAMILIES = ("dc19", "dc21")
 """Feed-forward off, on."""
 PAIRS, TRIPLES = "_ss_", "_sss_"
-MASS = 0.034
-"""Mass with which the network's force was flown [kg] (README of the flights)."""
 REFERENCE = "the vehicles' network"
 FORMS = (JetForm(), JetForm(loaded=True))
 """Candidate forms, the simpler first."""
@@ -101,8 +107,22 @@ def _flight(recording: Recording) -> _Flight:
     record = push_record(recording, CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
     if record is None or recording.log is None:
         raise ValueError(f"{recording.flight.name} has no measured push")
-    samples, lines = push_samples(record), recording.log.column("fa_ff") / MASS
+    _name_unscored(record)
+    mass = log_mass(recording.log, recording.flight, CRAZYFLIE_2_1)
+    samples, lines = push_samples(record), recording.log.column("fa_ff") / mass
     return _Flight(recording.flight.name, samples, [lines[:, one.vehicle] for one in samples])
+
+
+def _name_unscored(record: PushRecord) -> None:
+    """Print the vehicles under another that are not scored, with their rows there."""
+    for name, rows in zip(record.names, scored_rows(record), strict=True):
+        free, exposed = int(rows.free.sum()), int(rows.exposed.sum())
+        if exposed and free < FEWEST_FREE:
+            print(
+                f"bench: real: {record.name}: {name} is not scored: {exposed} of its samples are under "
+                f"another vehicle, but {free} in clear air, and {FEWEST_FREE} are needed",
+                file=sys.stderr,
+            )
 
 
 def _samples(flights: Sequence[_Flight]) -> list[PushSamples]:
