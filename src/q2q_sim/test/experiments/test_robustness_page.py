@@ -74,9 +74,9 @@ def test_the_page_names_what_is_worse_than_ignoring_and_nothing_else() -> None:
 
 def test_numbers_are_kept_in_a_file(tmp_path: Path) -> None:
     errors = {"a": Errors(0.012345, 0.5, 1e-3), "b": Errors(1.0, 2.0, 3.0)}
-    kept = KeptNumbers(errors, FlightDraws(2, 2001))
-    save(kept, tmp_path / "numbers.json")
-    assert read(tmp_path / "numbers.json") == kept
+    for kept in (KeptNumbers(errors, FlightDraws(2, 2001)), KeptNumbers(errors, FlightDraws(1, 0), "today")):
+        save(kept, tmp_path / "numbers.json")
+        assert read(tmp_path / "numbers.json") == kept
     for bad in ("[1]", '{"a": [0.1, 0.2, 0.3]}'):
         (tmp_path / "bad.json").write_text(bad)
         with pytest.raises(ValueError, match=r"bad\.json has no results of flights"):
@@ -123,4 +123,4 @@ def test_a_flight_in_which_nobody_was_under_another_has_no_such_error(
 def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
     shown, kept = (DOCS / "robustness.md").read_text(encoding="utf-8"), read(DOCS / "robustness.json")
     flights = asked_flights(list(AIRS), kept.draws.each, kept.draws.seed)
-    assert page(kept.errors, flights, shown.split("`")[1]) == shown
+    assert page(kept.errors, flights, shown.split("`")[1], kept.flown) == shown

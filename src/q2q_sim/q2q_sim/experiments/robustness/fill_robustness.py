@@ -20,7 +20,9 @@ from q2q_sim.scenarios.choices import TABLE_ONLY
 
 CONTROLLERS = ("mpc", "pid")
 DRAWS = "draws and seed"
-"""Key of the draws in a file of numbers; the others are flights."""
+"""Key of the draws in a file of numbers."""
+FLOWN = "flown"
+"""Key of when, and by which commits, they were flown, if that was noted; the other keys are flights."""
 
 
 class FlightDraws(NamedTuple):
@@ -37,50 +39,57 @@ class KeptNumbers(NamedTuple):
 
     errors: Mapping[str, Errors]
     draws: FlightDraws
+    flown: str = ""
+    """When, and by which commits; empty if that was not noted."""
 
 
 def run(given: Namespace) -> int:
     """Fly what is missing, keep the numbers after each flight, write the page; return the exit status."""
     flights = asked_flights(given.airs, given.draws, given.seed)
     if given.table_only:
-        found = _present(given)
+        kept = _present(given)
     else:
         with exclusive_file(given.json):
-            found = _filled(flights, given)
+            kept = _filled(flights, given)
+    found = kept.errors
     complete = [
         one for one in flights if flight_key(one) in found and flight_key(ignoring_flight(one)) in found
     ]
     if not complete:
         raise ValueError(f"{given.json} holds none of these flights: leave out {TABLE_ONLY}")
     words = [word for word in given.argv if word != TABLE_ONLY]
-    write_text(page(found, complete, f"ros2 run q2q_sim robustness {shlex.join(words)}"), given.out)
+    command = f"ros2 run q2q_sim robustness {shlex.join(words)}"
+    write_text(page(found, complete, command, kept.flown), given.out)
     print(f"page: {given.out}\nnumbers: {given.json}")
     return 0
 
 
-def _present(given: Namespace) -> dict[str, Errors]:
+def _present(given: Namespace) -> KeptNumbers:
     """Return the numbers in the file, none without one; raise ValueError if they are of other draws."""
+    asked = FlightDraws(given.draws, given.seed)
     if not given.json.is_file():
-        return {}
-    errors, kept = read(given.json)
-    if kept != FlightDraws(given.draws, given.seed):
+        return KeptNumbers({}, asked)
+    kept = read(given.json)
+    if kept.draws != asked:
         raise ValueError(
-            f"{given.json} was made with --draws {kept.each} --seed {kept.seed}: give these, or another file"
+            f"{given.json} is of --draws {kept.draws.each} --seed {kept.draws.seed}: give these, or another "
+            "file"
         )
-    return dict(errors)
+    return kept
 
 
-def _filled(flights: Sequence[PerturbedFlight], given: Namespace) -> dict[str, Errors]:
+def _filled(flights: Sequence[PerturbedFlight], given: Namespace) -> KeptNumbers:
     """Return the numbers in the file and those of missing flights, which are added to it."""
-    found, asked = _present(given), FlightDraws(given.draws, given.seed)
+    kept = _present(given)
+    found = dict(kept.errors)
     wanted = {
         flight_key(one): one for pair in ((ignoring_flight(one), one) for one in flights) for one in pair
     }
     missing = [name for name in wanted if name not in found]
     for name in track(missing, "flights"):
         found[name] = fly_perturbed(wanted[name])
-        save(KeptNumbers(found, asked), given.json)
-    return found
+        save(kept._replace(errors=found), given.json)
+    return kept._replace(errors=found)
 
 
 def asked_flights(airs: Sequence[str], draws: int, seed: int) -> list[PerturbedFlight]:
@@ -102,7 +111,9 @@ def read(file: Path) -> KeptNumbers:
     try:
         body = json.loads(file.read_text(encoding="utf-8"))
         draws = FlightDraws(*body.pop(DRAWS))
-        return KeptNumbers({str(name): Errors(*map(_error, row)) for name, row in body.items()}, draws)
+        flown = str(body.pop(FLOWN, ""))
+        errors = {str(name): Errors(*map(_error, row)) for name, row in body.items()}
+        return KeptNumbers(errors, draws, flown)
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as wrong:
         raise ValueError(
             f"{file} has no results of flights ({wrong}): remove it, or give another file"
@@ -116,6 +127,8 @@ def _error(number: float | None) -> float:
 def save(numbers: KeptNumbers, file: Path) -> None:
     """Replace a file by these numbers [m], null if unknown, a line for each flight after their draws."""
     rows = [f" {json.dumps(DRAWS)}: {json.dumps(numbers.draws)}"]
+    if numbers.flown:
+        rows.append(f" {json.dumps(FLOWN)}: {json.dumps(numbers.flown)}")
     rows += [
         f" {json.dumps(name)}: {json.dumps(with_nulls([float(f'{x:.5g}') for x in errors]))}"
         for name, errors in numbers.errors.items()

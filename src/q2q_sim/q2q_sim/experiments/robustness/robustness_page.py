@@ -40,10 +40,16 @@ def ignoring_flight(asked: PerturbedFlight) -> PerturbedFlight:
     return replace(asked, perturbation=without_model_errors(asked.perturbation), corrects=False)
 
 
-def page(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight], command: str) -> str:
-    """Return the page of the corrected `flights` whose errors, and those of ignoring, are in `found`."""
-    draws = flights[0].draws
-    parts = ["# Robustness", f"Made by `{command}`; do not edit.", f"{READING} {draws} draws."]
+def page(
+    found: Mapping[str, Errors], flights: Sequence[PerturbedFlight], command: str, flown: str = ""
+) -> str:
+    """Return the page of the corrected `flights` whose errors, and those of ignoring, are in `found`.
+
+    `flown` says when, and by which commits.
+    """
+    draws, seed = flights[0].draws, flights[0].seed
+    made = f"Made by `{command}`; do not edit." + (f" Flown {flown}." if flown else "")
+    parts = ["# Robustness", made, f"{READING} {draws} draws, of seeds from {seed}."]
     for controller in dict.fromkeys(one.controller for one in flights):
         own = [one for one in flights if one.controller == controller]
         parts += [f"## `{controller}` with `correct`", _table(found, own), _verdict(found, own)]
