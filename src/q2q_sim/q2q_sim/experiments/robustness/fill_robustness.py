@@ -31,7 +31,7 @@ class FlightDraws(NamedTuple):
     each: int
     """Number in each flight."""
     seed: int
-    """Of the first."""
+    """Of the flight that holds them side by side."""
 
 
 class KeptNumbers(NamedTuple):

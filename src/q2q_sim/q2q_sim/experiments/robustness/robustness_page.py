@@ -49,7 +49,7 @@ def page(
     """
     draws, seed = flights[0].draws, flights[0].seed
     made = f"Made by `{command}`; do not edit." + (f" Flown {flown}." if flown else "")
-    parts = ["# Robustness", made, f"{READING} {draws} draws, of seeds from {seed}."]
+    parts = ["# Robustness", made, f"{READING} {draws} draws side by side, seed {seed}."]
     for controller in dict.fromkeys(one.controller for one in flights):
         own = [one for one in flights if one.controller == controller]
         parts += [f"## `{controller}` with `correct`", _table(found, own), _verdict(found, own)]
