@@ -20,7 +20,7 @@ from q2q_model.identification.jet.loading import loading_of
 from q2q_model.identification.jet.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.log_check import log_notes
 from q2q_model.identification.push.log_mass_note import log_mass_notes
-from q2q_model.identification.push.push_samples import PushSamples, push_samples
+from q2q_model.identification.push.push_samples import push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.identification.recorded_altitudes import recorded_altitudes
@@ -33,12 +33,14 @@ from q2q_model.identification.selection.identification_data import (
     every_record,
     has_exposure,
     largest_gap,
+    measures_downwash,
 )
 from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
 from q2q_model.identification.selection.model_doubts import Scores, model_doubts
 from q2q_model.identification.selection.network_candidates import network_notes
 from q2q_model.identification.statistics.intervals import Interval
+from q2q_model.identification.unused_pushes import unused_push_notes, with_unknown_strength
 from q2q_model.model_files.model_file import Fit, ModelFile
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -124,6 +126,7 @@ def _identified(
     zone, on_zone = _learned_zone(model, params.threshold, found.records)
     train = score_on(model, data, loop)
     spread = parameter_intervals(best.candidate, model, data, loop)
+    spread = with_unknown_strength(spread, data, loop if gains.from_commands else None)
     doubts = model_doubts(gains, Scores(train, best.held_out), data, model, dict(spread))
     remarks += [*failed, *unfit, *on_zone, *doubts]
     pushes = [one for flight in data for one in flight.pushes]
@@ -156,16 +159,17 @@ def _prepared(
     remarks += on_gains
     loop, known = predicting_loop(gains, flown, vehicle)
     on_step("pushes")
-    pushes, on_pushes = _pushes(recordings, vehicle)
-    remarks += on_pushes
+    measured = [push_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
+    pushes = [tuple(push_samples(one)) if one is not None else () for one in measured]
     data = tuple(IdentificationData(*pair) for pair in zip(known, pushes, strict=True))
+    remarks += _push_notes(recordings, data, vehicle)
+    remarks += unused_push_notes(measured, data, loop if gains.from_commands else None)
     return _Prepared(records, gains, loop, data)
 
 
 def _check_inference(gains: GainFit, data: Sequence[IdentificationData]) -> None:
     """Raise ValueError if downwash would have to be inferred from altitudes by a loop that is not stable."""
-    measured = any(one.exposed.any() for flight in data for one in flight.pushes)
-    inferred = not measured and any(has_exposure(record) for record in every_record(data))
+    inferred = not measures_downwash(data) and any(has_exposure(record) for record in every_record(data))
     if inferred and (reason := unstable_reason(gains)):
         raise ValueError(f"no downwash can be inferred from altitudes, as {reason}")
 
@@ -192,16 +196,15 @@ def _fit(best: Trial, train: Score, recordings: Sequence[Recording]) -> Fit:
     )
 
 
-def _pushes(
-    recordings: Sequence[Recording], vehicle: Vehicle
-) -> tuple[list[tuple[PushSamples, ...]], list[str]]:
-    """Return the samples of every flight, and notes on their push."""
-    records = [push_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
-    pushes = [tuple(push_samples(record)) if record is not None else () for record in records]
-    sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
+def _push_notes(
+    recordings: Sequence[Recording], data: Sequence[IdentificationData], vehicle: Vehicle
+) -> list[str]:
+    """Return notes on the measured push."""
+    used = zip(recordings, data, strict=True) if measures_downwash(data) else ()
+    sampled = [one for one, flight in used if flight.pushes]
     notes = sensor_notes([one.flight for one in recordings], vehicle)
     notes += log_mass_notes(recordings, vehicle) + log_notes(recordings, vehicle)
-    return pushes, [*notes, *lag_note(sampled, vehicle.thrust_lag)]
+    return [*notes, *lag_note(sampled, vehicle.thrust_lag)]
 
 
 def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:

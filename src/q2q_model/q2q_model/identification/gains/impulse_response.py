@@ -131,19 +131,27 @@ def with_added_acc(
 
 
 def _constant(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
-    """Return b of every vehicle [m/s^2], (n,); 0 for a loop that does not settle."""
-    if not (loop.k_p > 0.0 and loop.k_d > 0.0):
+    """Return b of every vehicle [m/s^2], (n,); 0 where it is not known."""
+    known = knows_constant(record, loop)
+    if not known.any():
         return np.zeros(len(record.names))
     response = offset_response(record, loop)
-    settling = SETTLED * max(2.0 / loop.k_d, loop.k_d / loop.k_p)
-    weight = _settled(record, settling) * response  # (T, n)
+    weight = _settled(record, loop) * response  # (T, n)
     found = (weight * (record.deviation - undisturbed(record, loop))).sum(axis=0)
-    enough = np.count_nonzero(weight, axis=0) * record.dt >= LEAST
-    return np.where(enough, found / np.maximum((weight * response).sum(axis=0), 1e-300), 0.0)
+    return np.where(known, found / np.maximum((weight * response).sum(axis=0), 1e-300), 0.0)
 
 
-def _settled(record: AltitudeRecord, settling: float) -> Mask:
-    """Return the ticks of each vehicle that are `settling` [s] after it was last near another, (T, n)."""
+def knows_constant(record: AltitudeRecord, loop: AltitudeLoop) -> Mask:
+    """Return for which vehicles settled clear air shows b, (n,); none for a loop that does not settle."""
+    if not (loop.k_p > 0.0 and loop.k_d > 0.0):
+        return np.zeros(len(record.names), dtype=np.bool_)
+    rows = _settled(record, loop) & (offset_response(record, loop) != 0.0)
+    return np.asarray(np.count_nonzero(rows, axis=0) * record.dt >= LEAST)
+
+
+def _settled(record: AltitudeRecord, loop: AltitudeLoop) -> Mask:
+    """Return the ticks of each vehicle whose loop has settled since it was last near another, (T, n)."""
+    settling = SETTLED * max(2.0 / loop.k_d, loop.k_d / loop.k_p)
     last_near = last_time(~in_clear_air(record, CLEAR), record.t)
     return np.asarray(record.t[:, None] - last_near >= settling)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.push.push_samples import GAPS, UNDER, PushSamples
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 NEAR = 0.5
 """Horizontal distance within which a vehicle counts as above or below another [m]."""
@@ -30,6 +30,21 @@ class IdentificationData:
 def every_record(flights: Sequence[IdentificationData]) -> list[AltitudeRecord]:
     """Return the records of all flights."""
     return [record for flight in flights for record in flight.records]
+
+
+def measures_downwash(flights: Sequence[IdentificationData]) -> bool:
+    """Return whether the push on any vehicle under another was measured."""
+    return any(one.exposed.any() for flight in flights for one in flight.pushes)
+
+
+def under_others(record: AltitudeRecord) -> Mask:
+    """Return which vehicles fly under another, by the scoring rule, (n,)."""
+    found = np.zeros(len(record.names), dtype=np.bool_)
+    for i in range(found.size):
+        rel = record.pos - record.pos[:, i : i + 1]  # (T, n, 3)
+        gap = rel[..., 2]
+        found[i] = ((np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])).any()
+    return found
 
 
 def has_exposure(record: AltitudeRecord) -> bool:

@@ -9,7 +9,11 @@ from q2q_model.identification.jet.jet_fit import JetFit, fit_to_altitudes, fit_t
 from q2q_model.identification.jet.jet_form import JetForm, free_names
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.cross_validation import Fitter
-from q2q_model.identification.selection.identification_data import IdentificationData, every_record
+from q2q_model.identification.selection.identification_data import (
+    IdentificationData,
+    every_record,
+    measures_downwash,
+)
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -27,7 +31,7 @@ def jet_candidates(flights: Sequence[IdentificationData], loop: AltitudeLoop) ->
 
     A loaded form needs measured pushes.
     """
-    measured = any(one.exposed.any() for flight in flights for one in flight.pushes)
+    measured = measures_downwash(flights)
     nothing = [NOTHING] if measured and len(flights) > 1 else []  # of one flight nothing can be held out
     forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
     stacked = may_be_stacked([one for flight in flights for one in flight.pushes])
@@ -51,7 +55,7 @@ def fit_jet(
     `solved` is that jet if known already: then only its intervals are computed.
     """
     pushes = [one for flight in flights for one in flight.pushes]
-    if any(one.exposed.any() for one in pushes):
+    if measures_downwash(flights):
         return fit_to_pushes(pushes, form, solved)
     return fit_to_altitudes(every_record(flights), loop, form, solved)
 

@@ -1,0 +1,63 @@
+"""What identification says of pushes that it does not use, and of a strength that it cannot know then."""
+
+from dataclasses import replace
+
+import numpy as np
+from made_flights import LOOP, Pass, made_flight
+
+from q2q_model.flights.flight import Flight
+from q2q_model.identification.identification import Identification, ProcedureParams, identify
+from q2q_model.identification.jet.jet_form import FREE_PARAMETERS
+from q2q_model.recordings.flight_recording import Recording
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+
+GAPS = (0.4, 0.5)
+PARAMS = ProcedureParams(model_type="jet", vehicle=replace(CRAZYFLIE_2_0, thrust_lag=LOOP.lag))
+
+
+def identified(flights: list[Flight]) -> Identification:
+    """Return what flights show."""
+    return identify([Recording(one) for one in flights], PARAMS, lambda _: None)
+
+
+def passes(speed: float) -> list[Flight]:
+    """Return passes at a speed [m/s]."""
+    made = [Pass(name=f"gap {gap}", gap=gap, speed=speed, seconds=24.0, noise=1e-4) for gap in GAPS]
+    return [made_flight(one) for one in made]
+
+
+def strength_is_any(found: Identification) -> bool:
+    """Return whether the interval of the strength is the range of its search."""
+    span, allowed = dict(found.spread)["strength"], FREE_PARAMETERS["strength"]
+    return (span.low, span.high) == (allowed.low, allowed.high)
+
+
+def test_pushes_in_clear_air_are_used_without_a_note() -> None:
+    found = identified(passes(0.3))
+    assert found.train.r2_of == "downwash"
+    assert not any("inferred" in one or "not used" in one for one in found.remarks)
+    assert any("from imu and command" in one for one in found.remarks)
+    assert not strength_is_any(found)
+
+
+def test_vehicles_that_never_part_leave_the_strength_unknown() -> None:
+    """The upper one stays within 0.24 m of the other's axis: nothing tells an offset from downwash."""
+    found = identified(passes(0.02))
+    assert found.train.r2_of == "altitude deviation"
+    (note,) = [one for one in found.remarks if "inferred" in one]
+    assert note.startswith(
+        "gap 0.4, gap 0.5: downwash is inferred from altitudes: of cf1 fewer than 200 rows"
+    )
+    assert "the constant of cf1 is unknown" in note
+    assert not any("from imu and command" in one for one in found.remarks)
+    assert strength_is_any(found)
+
+
+def test_flights_without_accelerometer_say_that_no_push_was_measured() -> None:
+    """In passes with clear air the altitudes show the constant, and so the strength."""
+    blind = [replace(one, specific_force_body=np.full((*one.pos.shape,), np.nan)) for one in passes(0.3)]
+    found = identified(blind)
+    (note,) = [one for one in found.remarks if "inferred" in one]
+    assert "no push was measured" in note
+    assert "unknown" not in note
+    assert not strength_is_any(found)
