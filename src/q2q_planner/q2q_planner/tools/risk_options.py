@@ -1,11 +1,14 @@
 """Options of `plan --risk`: parameters, zone, and what the files say of them."""
 
 from argparse import Namespace
+from dataclasses import replace
 
-from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import push_at_range
 from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.vehicle.constants import CONTACT, GRAVITY, Vehicle
 from q2q_planner.offline.certificate.convex_zone import ConvexZone
 from q2q_planner.offline.zones.risk_zone import RiskParams, RiskTube, largest_push, risk_zone
@@ -37,13 +40,23 @@ def risk_params(asked: Namespace) -> RiskParams:
 def zone_by_risk(asked: Namespace) -> tuple[ConvexZone, str]:
     """Return the zone of the command line, and its description."""
     params, file = risk_params(asked), find_model(asked.model or MODEL)
-    residual = file.residual or REAL_FLIGHTS
+    residual = residual_of(file)
     push, tube = largest_push(params, residual), params.tube
     words = (
         f"risk {params.alpha:g} a vehicle: {params.touch:g} m apart, {asked.model or MODEL} below {push:.2f} "
         f"m/s^2, tube {tube.horizontal:g} m horizontally and {tube.vertical:g} m vertically at {tube.risk:g}"
     )
     return risk_zone(file.interaction, params, residual), words + range_note(file.interaction, push)
+
+
+def residual_of(file: ModelFile) -> ResidualProcess:
+    """Return the residual of a model: its own, or that of real flights.
+
+    A larger deviation that a jet without its own states, as one scaled to an airframe never flown, is kept.
+    """
+    if file.residual is not None or not isinstance(file.interaction, Jet):
+        return file.residual or REAL_FLIGHTS
+    return replace(REAL_FLIGHTS, slope=max(REAL_FLIGHTS.slope, file.interaction.relative_std))
 
 
 def range_note(model: InteractionModel, threshold: float) -> str:
