@@ -40,7 +40,7 @@ FEWEST_ROWS = 5
 RATES = np.linspace(-2.0, 10.0, 601)
 """Grid of beta [1/m], much finer than any confidence interval."""
 FARTHEST = 10.0
-"""d of a deviation that does not decay [m]: above the height of any flight room."""
+"""d of a deviation that does not decay [m]: above the height of any flight room; d is unknown then."""
 _UNBOUNDED = np.array([[0.0, RATES[0], 0.0], [UNKNOWN, RATES[-1], FARTHEST]])
 """Ends of the intervals of alpha, beta and d that nothing is known of, (2, 3)."""
 
@@ -117,7 +117,7 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     """Return the decay of dev with the gap, and d.
 
     Raises:
-        ValueError: fewer than two flights have overlap.
+        ValueError: fewer than two flights have overlap, or dev does not fall to `allowed` with the gap.
     """
     given = params or DeviationParams()
     overlaps = _overlaps(records, given)
@@ -128,6 +128,12 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
         )
     gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
     best = _decay(gaps, devs, given.allowed)
+    if best[-1] >= FARTHEST:
+        flown = ", ".join(f"{dev:.3f} m at {gap:.2f} m" for gap, dev in sorted(zip(gaps, devs, strict=True)))
+        raise ValueError(
+            f"dev does not fall with the gap to {given.allowed} m within {FARTHEST:g} m ({flown}): fly "
+            "passes alike in speed and duration, at gaps further apart"
+        )
     low, high = _bootstrap(gaps, devs, given) if gaps.size >= FEWEST_FLIGHTS else _UNBOUNDED
     alpha, beta, d = (
         Interval(float(v), float(min(a, v)), float(max(b, v)))
@@ -149,12 +155,16 @@ def _bootstrap(gaps: Array, devs: Array, params: DeviationParams) -> Array:
 
 
 def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, float]:
-    """Return alpha, beta and d of the least-squares fit alpha exp(-beta gap), over a grid of beta."""
+    """Return alpha, beta and d of the least-squares fit alpha exp(-beta gap), over a grid of beta.
+
+    d is 0 of a fit that is within `allowed` at every gap flown, and FARTHEST of another that does not decay.
+    """
     shape = np.exp(-RATES[:, None] * gaps)
     alphas = (shape @ devs) / (shape * shape).sum(axis=1)
     best = int(np.argmin(((alphas[:, None] * shape - devs) ** 2).sum(axis=1)))
     alpha, beta = float(alphas[best]), float(RATES[best])
-    if alpha <= allowed:
+    largest = alpha * max(1.0, float(np.exp(-beta * gaps.max())))  # at a gap of 0, or the largest flown
+    if largest <= allowed:
         return alpha, beta, 0.0
     d = float(np.log(alpha / allowed)) / beta if beta > 0.0 else FARTHEST
     return alpha, beta, min(d, FARTHEST)

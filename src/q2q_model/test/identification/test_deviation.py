@@ -7,6 +7,7 @@ import pytest
 from made_flights import PASSES, record_of
 
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 
 
 def test_dev_is_the_mean_of_both_deviations_while_above_each_other() -> None:
@@ -61,6 +62,27 @@ def test_two_flights_determine_no_interval_of_the_decay() -> None:
     assert decay.d.high == 10.0  # the bound of d: above the height of any flight room
     assert decay.alpha.high > 1e6  # two flights, two parameters: no residual says how well they are known
     assert decay.beta.high - decay.beta.low > 10.0
+
+
+@pytest.mark.parametrize("devs", [(0.01, 0.03, 0.09), (0.03, 0.05, 0.09), (0.05, 0.05, 0.05)])
+def test_a_deviation_that_does_not_decay_shows_no_d(devs: tuple[float, ...]) -> None:
+    """By the curve through the first, alpha is 6 mm: within 2 cm at a gap of 0, where nobody flew."""
+    with pytest.raises(ValueError, match=r"does not fall with the gap to 0.02 m within 10 m \(0.0\d0 m at"):
+        fit_decay([shifted(gap, dev) for gap, dev in zip((0.3, 0.6, 0.9), devs, strict=True)])
+
+
+def test_a_deviation_that_grows_but_is_allowed_at_every_gap_flown_needs_no_zone() -> None:
+    decay = fit_decay([shifted(gap, dev) for gap, dev in ((0.3, 0.001), (0.6, 0.002), (0.9, 0.004))])
+    assert decay.beta.value < 0.0
+    assert decay.d.value == 0.0
+
+
+def shifted(gap: float, dev: float) -> AltitudeRecord:
+    """Return the record of two still vehicles, a gap [m] apart, the lower dev [m] off its reference."""
+    made = record_of(PASSES[0])
+    pos, ref = np.zeros_like(made.pos), np.zeros_like(made.ref)
+    pos[:, :, 2], ref[:, :, 0] = [1.0, 1.0 + gap], [1.0 - dev, 1.0 + gap]
+    return replace(made, name=f"gap {gap}", pos=pos, ref=ref)
 
 
 def test_one_flight_with_overlap_gives_no_decay() -> None:
