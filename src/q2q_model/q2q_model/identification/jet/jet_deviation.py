@@ -32,7 +32,7 @@ def affine_deviation(push: Array, error: Array) -> tuple[float, float]:
     Both are those of `deviation_of`, scaled so that 95 % of the rows lie within 1.96 deviations, because the
     tails are not normal.
     """
-    if push.size == 0:
+    if not error.any():
         return 0.0, 0.0
     floor, share = deviation_of(push, error)
     wide = float(np.quantile(error / (floor + share * push), 0.95)) / Z95
@@ -42,11 +42,12 @@ def affine_deviation(push: Array, error: Array) -> tuple[float, float]:
 def deviation_of(push: Array, error: Array, noise: float = 0.0) -> tuple[float, float]:
     """Return floor [m/s^2] and share, (floor + share |eta|), of maximum likelihood for a normal.
 
-    The variance of the errors is the square of that deviation, plus that of a noise.
+    The variance of the errors is the square of that deviation, plus that of a noise. Without any downwash the
+    share is 0: nothing shows it.
 
     Args:
         push: |eta| [m/s^2], (k,), k at least 1.
-        error: |y - eta| [m/s^2], (k,).
+        error: |y - eta| [m/s^2], (k,), not all 0.
         noise: its standard deviation [m/s^2].
     """
 
@@ -56,4 +57,4 @@ def deviation_of(push: Array, error: Array, noise: float = 0.0) -> tuple[float, 
 
     first = np.log([max(float(np.sqrt(np.mean(error**2))), 1e-6), 0.1])
     floor, share = np.exp(minimize(negative_log_likelihood, first, method="Nelder-Mead").x)
-    return float(floor), float(share)
+    return float(floor), float(share) if push.any() else 0.0

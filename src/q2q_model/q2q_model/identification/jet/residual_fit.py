@@ -12,7 +12,8 @@ end, those of the third 3 %. Noise in the deviation would add to floor and take 
 
 Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three,
 with the quantile of Student's t of one degree of freedom less than there are parts. A value at its bound, as
-a slope of 0 or an uncorrelated residual, has none: it stays there whatever part is left out.
+a slope of 0 (also where the model has no downwash) or an uncorrelated residual, has none: it stays there
+whatever part is left out.
 """
 
 import math
@@ -87,7 +88,8 @@ class _LagSums(NamedTuple):
 def fit_residual(model: InteractionModel, samples: Sequence[PushSamples]) -> ResidualFit | None:
     """Return the process fitted to exposed rows.
 
-    None for fewer than `FEWEST_ROWS`, for fewer than `FEWEST_LAGS`, as below 16 Hz, or without correlation.
+    None for fewer than `FEWEST_ROWS`, for fewer than `FEWEST_LAGS`, as below 16 Hz, without correlation, or
+    if every residual is 0.
     """
     parts = [_part(model, one) for one in samples if one.exposed.any()]
     if len(parts) < FEWEST_PARTS:
@@ -131,6 +133,8 @@ def _process_beside(parts: Sequence[_Part], noise: float) -> ResidualProcess | N
     """Return the process whose deviation is that of the residuals apart from a noise [m/s^2]."""
     push = np.concatenate([part.push for part in parts])
     residual = np.concatenate([part.residual for part in parts])
+    if not residual.any():
+        return None
     floor, slope = deviation_of(push, np.abs(residual), noise)
     lags = _lag_sums(parts, floor, slope)
     size = float(np.mean((residual / (floor + slope * push)) ** 2))
