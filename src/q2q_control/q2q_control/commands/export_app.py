@@ -1,6 +1,6 @@
 """Write a firmware app in C99 that compensates the downwash of a model file on board a Crazyflie.
 
-The app predicts the downwash of up to five neighbours from their broadcasts, corrects it by the vehicle's
+The app predicts the downwash of the nearest five vehicles from their broadcasts, corrects it by the vehicle's
 accelerometer at 500 Hz, and subtracts it from the acceleration setpoint of the Mellinger controller. The
 model must be a jet. DIR must be new or empty.
 """

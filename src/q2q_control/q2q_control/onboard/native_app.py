@@ -7,6 +7,7 @@ that vehicles broadcast and the arithmetic are those of the real app, in single 
 import ctypes
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -104,6 +105,11 @@ class NativeApp:
             self._library.q2q_renew_strength(
                 self._state, ctypes.byref(_motion(own)), ctypes.c_uint32(now_us), j
             )
+
+    @property
+    def unheard(self) -> int:
+        """Return the number of broadcasts that were not stored, as the places are taken by nearer ones."""
+        return int.from_bytes(self._state.raw[-4:], sys.byteorder)  # last member of struct q2q_app
 
     def hear(self, packet: bytes, stamp_us: int) -> bool:
         """Take a neighbour's broadcast that left it at a time; return whether it was stored."""

@@ -9,6 +9,7 @@ from native_apps import TICK_US, at_rest, hover, library, needs_cc
 from q2q_control.onboard.model_header import STALE_S, AppRates
 from q2q_control.onboard.native_app import NativeApp
 from q2q_model.downwash.jet import MEASURED_LAW
+from q2q_model.signals.values import Array
 
 
 @needs_cc
@@ -95,6 +96,47 @@ def test_of_six_neighbours_the_last_is_refused_until_one_is_silent() -> None:
     assert not app.hear_motion(1, 1000, hover(0.0, 0.0, 2.0))  # a repeated stamp
     assert not app.hear_motion(1, 2000, np.full(9, np.nan))
     assert app.hear_motion(6, 1000 + round(1e6 * STALE_S) + 100_000, hover(0.0, 0.0, 1.4))
+
+
+def crowd(seed: int) -> Array:
+    """Return the motions of twelve vehicles that hover in the reach of each other, (12, 9)."""
+    rng = np.random.default_rng(seed)
+    return np.array([hover(*rng.uniform(-1.0, 1.0, 3) * [0.1, 0.1, 1.0]) for _ in range(12)])
+
+
+@needs_cc
+@pytest.mark.parametrize("seed", range(5))
+def test_of_a_crowd_the_nearest_five_are_felt_in_whatever_order_they_are_heard(seed: int) -> None:
+    """The first five heard were felt, however far they were: -54 mm for -8 under the sixth."""
+    own, others = hover(0.0, 0.0, 0.0), crowd(seed)
+    aside, above = np.hypot(others[:, 0], others[:, 1]), others[:, 2]
+    far = (aside / MEASURED_LAW.reach.horizontal) ** 2 + (above / MEASURED_LAW.reach.vertical) ** 2
+    far += above < 0.0
+    felt, order = NativeApp(library(MEASURED_LAW)), np.random.default_rng(seed)
+    nearest = NativeApp(library(MEASURED_LAW))
+    for tick in range(3):
+        for app, heard in ((felt, order.permutation(12)), (nearest, np.argsort(far)[:5])):
+            app.step(at_rest(tick * TICK_US, own))
+            for number in heard.tolist():
+                app.hear_motion(number, tick * TICK_US, others[number])
+    eta = nearest.downwash(own, 2 * TICK_US)
+    assert felt.downwash(own, 2 * TICK_US) == pytest.approx(eta, rel=1e-5)
+    assert eta < -1.0
+    assert nearest.unheard == 0
+    assert felt.unheard >= 2 * 7
+
+
+@needs_cc
+def test_one_that_is_as_far_as_the_farthest_displaces_nobody_and_is_counted() -> None:
+    app, own = NativeApp(library(MEASURED_LAW)), hover(0.0, 0.0, 0.0)
+    app.step(at_rest(0, own))
+    assert all(app.hear_motion(k, 0, hover(0.0, 0.0, 1.0)) for k in range(1, 6))
+    for stamp in (0, TICK_US):
+        assert not app.hear_motion(6, stamp, hover(0.0, 0.0, 1.0))
+    assert app.unheard == 2
+    assert not app.hear_motion(6, 2 * TICK_US, np.full(9, math.nan))
+    assert app.unheard == 2
+    assert app.hear_motion(7, 2 * TICK_US, hover(0.0, 0.0, 0.99))
 
 
 @needs_cc

@@ -36,25 +36,55 @@ static bool near(const struct q2q_track *track, uint32_t stamp_us) {
   return track->count > 0 && fabsf(q2q_seconds(track->stamp_us[track->newest], stamp_us)) <= Q2Q_STALE_S;
 }
 
-/* Return the place of a neighbour, or a free one; 0 if there is none. */
-static int place_for(const struct q2q_app *app, uint8_t id, uint32_t stamp_us) {
+/* Return how far a vehicle is: the square of its distance in reaches of the jet, plus 1 for one below, whose air
+   does not come up. */
+static float distance(const struct q2q_motion *own, const struct q2q_motion *other) {
+  const float x = (other->pos[0] - own->pos[0]) / Q2Q_REACH_HORIZONTAL;
+  const float y = (other->pos[1] - own->pos[1]) / Q2Q_REACH_HORIZONTAL;
+  const float z = (other->pos[2] - own->pos[2]) / Q2Q_REACH_VERTICAL;
+  return x * x + y * y + z * z + (z < 0.0f ? 1.0f : 0.0f);
+}
+
+/* Return the place of the farthest neighbour, which a nearer one takes; 0 if it is not nearer, or unknown. */
+static int farthest(const struct q2q_app *app, const struct q2q_motion *nearer) {
+  const struct q2q_track *own = &app->track[0];
+  const struct q2q_motion *here = &own->sample[own->newest];
+  if (own->count == 0) return 0;
+  int place = 0;
+  float most = distance(here, nearer);
+  for (int k = 1; k < Q2Q_VEHICLES; ++k) {
+    const float far = distance(here, &app->track[k].sample[app->track[k].newest]);
+    if (far <= most) continue;
+    most = far;
+    place = k;
+  }
+  return place;
+}
+
+/* Return the place of a neighbour, a free one, or that of one which is farther; 0 if there is none. */
+static int place_for(const struct q2q_app *app, uint8_t id, uint32_t stamp_us, const struct q2q_motion *motion) {
   int place = 0;
   for (int k = 1; k < Q2Q_VEHICLES; ++k) {
     const bool heard = near(&app->track[k], stamp_us);
     if (heard && app->track[k].id == id) return k;
     if (!heard && place == 0) place = k;
   }
-  return place;
+  return place != 0 ? place : farthest(app, motion);
 }
 
 bool q2q_hear(struct q2q_app *app, uint8_t id, uint32_t stamp_us, const struct q2q_motion *motion) {
-  const int place = place_for(app, id, stamp_us);
+  if (!q2q_finite(motion)) return false;
+  const int place = place_for(app, id, stamp_us, motion);
   struct q2q_track *track = &app->track[place];
-  if (place == 0) return false;
-  if (!near(track, stamp_us)) { /* free, or silent for too long to be interpolated */
+  if (place == 0) {
+    ++app->unheard;
+    return false;
+  }
+  if (track->id != id || !near(track, stamp_us)) { /* another's, or silent for too long to be interpolated */
     track->id = id;
     track->count = 0;
     app->strength[place] = 1.0f;
+    app->direct[place] = 0.0f;
   }
   return q2q_remember(track, stamp_us, motion);
 }
