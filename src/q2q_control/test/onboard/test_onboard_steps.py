@@ -67,6 +67,23 @@ def test_on_the_ground_and_with_sensors_that_fail_nothing_is_corrected() -> None
 
 
 @needs_cc
+@pytest.mark.parametrize("rest_s", [0.1, 0.3, 1.9])
+def test_a_second_take_off_while_the_supervisor_still_sees_a_flight_measures_nothing_on_the_ground(
+    rest_s: float,
+) -> None:
+    """The firmware's supervisor takes a vehicle as flying for 2 s after its motors stopped."""
+    app, ground = NativeApp(library(MEASURED_LAW, AppRates(), ResidualProcess())), hover(0.0, 0.0, 0.0)
+    take_off, rest = np.repeat([0.5 * GRAVITY, GRAVITY], [150, 500]), np.zeros(round(500 * rest_s))
+    thrusts = np.concatenate([take_off, rest, take_off])
+    etas = np.array([app.step(at_rest(2000 * k, ground, thrust=one)) for k, one in enumerate(thrusts)])
+    first, second = etas[: take_off.size], etas[-take_off.size :]
+    assert np.all(etas[take_off.size : -take_off.size] == 0.0)
+    assert np.all(second[:150] == 0.0)
+    np.testing.assert_allclose(second, first, atol=1e-2)  # the rotors still turn a little
+    assert np.abs(first).max() > 0.1  # from 0.9 of the weight on, what is missing of it seems to push
+
+
+@needs_cc
 @pytest.mark.parametrize("sick", range(9))
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_nothing_is_corrected_while_the_own_motion_is_not_finite(sick: int, value: float) -> None:

@@ -34,11 +34,13 @@ static float since_last(struct q2q_app *app, uint32_t now_us) {
   return dt > 0.0f ? dt : 0.0f;
 }
 
-/* Let the rotors follow the command. The vehicle flies from the moment when they carry it. */
+/* Let the rotors follow the command. The vehicle flies from the moment when they carry it until none is commanded:
+   the supervisor takes it as flying for 2 s longer, in which it may stand and take off again. */
 static void follow(struct q2q_app *app, const struct q2q_input *input, float dt) {
   const float keep = Q2Q_THRUST_LAG_S > 0.0f ? expf(-dt / Q2Q_THRUST_LAG_S) : 0.0f;
   if (isfinite(input->thrust)) app->thrust = keep * app->thrust + (1.0f - keep) * input->thrust;
-  app->flying = input->flying && (app->flying || app->thrust > Q2Q_LIFTED);
+  const bool off = !input->flying || input->thrust <= 0.0f;
+  app->flying = !off && (app->flying || app->thrust > Q2Q_LIFTED);
 }
 
 /* Do one of the jobs that take turns. */

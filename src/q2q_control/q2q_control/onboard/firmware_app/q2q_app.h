@@ -48,7 +48,7 @@ struct q2q_app {
   float thrust;                 /* of the rotors over the mass, after their lag [m/s^2] */
   uint32_t last_us; /* time of the last step */
   bool stepped;   /* there was one */
-  bool flying;    /* the rotors have carried the vehicle since the motors started */
+  bool flying;    /* the rotors have carried the vehicle since thrust was commanded */
   uint8_t job;    /* of the next step */
   uint8_t source; /* its strength was renewed last */
   uint32_t unheard; /* broadcasts that were not stored, as Q2Q_NEIGHBOURS others are nearer; wraps */
@@ -60,7 +60,7 @@ struct q2q_input {
   struct q2q_motion own;
   float force_up; /* specific force along world z: accelerometer, 9.81 at rest [m/s^2] */
   float thrust;   /* commanded collective thrust over the mass [m/s^2] */
-  bool flying;    /* the motors run */
+  bool flying;    /* as the supervisor says, which it does for 2 s after the motors stopped, too */
 };
 
 /* sizeof(struct q2q_app) and Q2Q_NEIGHBOURS, for callers of a shared library. */
