@@ -39,10 +39,9 @@ static bool near(const struct q2q_track *track, uint32_t stamp_us) {
 /* Return how far a vehicle is: the square of its distance in reaches of the jet, plus 1 for one below, whose air
    does not come up. */
 static float distance(const struct q2q_motion *own, const struct q2q_motion *other) {
-  const float x = (other->pos[0] - own->pos[0]) / Q2Q_REACH_HORIZONTAL;
-  const float y = (other->pos[1] - own->pos[1]) / Q2Q_REACH_HORIZONTAL;
-  const float z = (other->pos[2] - own->pos[2]) / Q2Q_REACH_VERTICAL;
-  return x * x + y * y + z * z + (z < 0.0f ? 1.0f : 0.0f);
+  const float x = other->pos[0] - own->pos[0], y = other->pos[1] - own->pos[1], z = other->pos[2] - own->pos[2];
+  const float aside = (x * x + y * y) / (Q2Q_REACH_HORIZONTAL * Q2Q_REACH_HORIZONTAL);
+  return aside + z * z / (Q2Q_REACH_VERTICAL * Q2Q_REACH_VERTICAL) + (z < 0.0f ? 1.0f : 0.0f);
 }
 
 /* Return the place of the farthest neighbour, which a nearer one takes; 0 if it is not nearer, or unknown. */

@@ -1,19 +1,23 @@
-/* Instructions of one step of the app on a Cortex-M4, for a column of Q2Q_NEIGHBOURS vehicles above this one.
+/* Instructions of one step of the app on a Cortex-M4, for columns of Q2Q_NEIGHBOURS vehicles above this one.
 
    Under qemu-system-arm -M mps2-an386 -icount shift=0 an instruction takes 1 ns, and SysTick counts at 25 MHz:
-   40 instructions. Prints their mean and their largest number over 1 s, then both without neighbours, by semihosting. */
+   40 instructions. Columns have spacings of 0.05 to 0.3 m, and are flown for 1 s each; every broadcast is 5 cm and
+   0.5 m/s aside at random, and vehicles take turns. Prints the mean and the largest number of all columns, then both
+   without neighbours, by semihosting. */
 #include "q2q_app.h"
 
 #define SYSTICK ((volatile uint32_t *)0xE000E010) /* control, reload, current value */
 #define CPACR (*(volatile uint32_t *)0xE000ED88)
 #define INSTRUCTIONS_PER_COUNT 40u
 #define STEPS 500 /* 1 s at 500 Hz */
+#define COLUMNS 6
 
 extern uint32_t stack_top;
 void reset(void);
 __attribute__((section(".vectors"), used)) static const void *const vectors[2] = {&stack_top, (const void *)reset};
 
 static struct q2q_app app;
+static uint32_t drawn = 1;
 
 static int semihosting(int operation, const void *argument) {
   register int r0 __asm__("r0") = operation;
@@ -22,8 +26,16 @@ static int semihosting(int operation, const void *argument) {
   return r0;
 }
 
-static struct q2q_motion hovering(int k) {
-  const struct q2q_motion motion = {{0.01f * (float)k, 0.0f, 1.0f + 0.2f * (float)k}, {0.1f, 0.0f, 0.0f}, {0.1f, 0.0f, 0.995f}};
+/* Return a random number of -size to size. */
+static float scattered(float size) {
+  drawn = 1664525u * drawn + 1013904223u; /* Numerical Recipes */
+  return size * ((float)(drawn >> 8) * 0x1p-23f - 1.0f);
+}
+
+static struct q2q_motion broadcast(float height) {
+  const struct q2q_motion motion = {{scattered(0.05f), scattered(0.05f), height},
+                                    {scattered(0.5f), scattered(0.5f), scattered(0.5f)},
+                                    {0.1f, 0.0f, 0.995f}};
   return motion;
 }
 
@@ -35,24 +47,35 @@ static void print(uint32_t number) {
   semihosting(4, at); /* SYS_WRITE0 */
 }
 
-/* Print the mean and the largest number of instructions of a step. */
-static void measure(int neighbours) {
-  uint32_t total = 0, largest = 0, now_us = 0;
+struct cost {
+  uint32_t total, largest; /* [SysTick counts] */
+};
+
+/* Fly one column, and add its steps to the cost. */
+static void fly(int neighbours, float spacing, struct cost *cost) {
+  uint32_t now_us = 0;
   q2q_reset(&app);
   for (int step = 0; step < STEPS; ++step, now_us += 2000u) {
-    const struct q2q_input input = {now_us, hovering(0), 9.0f, 9.81f, true};
+    const struct q2q_input input = {now_us, {{0.0f, 0.0f, 1.0f}, {0.1f, 0.0f, 0.0f}, {0.1f, 0.0f, 0.995f}}, 9.0f, 9.81f, true};
     for (int k = 1; k <= neighbours; ++k) {
-      const struct q2q_motion motion = hovering(k);
-      if (step % 10 == 0) q2q_hear(&app, (uint8_t)k, now_us - 2000u, &motion);
+      if ((step + 2 * k) % 10 != 0) continue;
+      const struct q2q_motion motion = broadcast(1.0f + spacing * (float)k);
+      q2q_hear(&app, (uint8_t)k, now_us - 2000u, &motion);
     }
     const uint32_t before = SYSTICK[2];
     q2q_step(&app, &input);
     const uint32_t counts = (before - SYSTICK[2]) & 0xFFFFFFu;
-    total += counts;
-    if (counts > largest) largest = counts;
+    cost->total += counts;
+    if (counts > cost->largest) cost->largest = counts;
   }
-  print(total * INSTRUCTIONS_PER_COUNT / STEPS);
-  print(largest * INSTRUCTIONS_PER_COUNT);
+}
+
+/* Print the mean and the largest number of instructions of a step. */
+static void measure(int neighbours) {
+  struct cost cost = {0, 0};
+  for (int k = 1; k <= COLUMNS; ++k) fly(neighbours, 0.05f * (float)k, &cost);
+  print(cost.total * INSTRUCTIONS_PER_COUNT / (COLUMNS * STEPS));
+  print(cost.largest * INSTRUCTIONS_PER_COUNT);
 }
 
 void reset(void) {
