@@ -18,6 +18,7 @@ def write_app(folder: Path, file: ModelFile, vehicle: Vehicle, rates: AppRates |
 
     Raises:
         UnsupportedModelError: the model is not a jet; nothing is written.
+        AppMemoryError: the app does not fit into a vehicle; nothing is written.
         FileExistsError: the folder is not empty; nothing is written.
     """
     header = model_header(file, vehicle, rates)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_control.onboard.app_memory import app_samples
 from q2q_model.downwash.correction.corrected_predictor import CLEAR, OFFSET_S
 from q2q_model.downwash.correction.in_flight import LIFTED_SHARE
 from q2q_model.downwash.correction.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
@@ -49,6 +50,7 @@ def model_header(file: ModelFile, vehicle: Vehicle, rates: AppRates | None = Non
 
     Raises:
         UnsupportedModelError: the model is not a jet.
+        AppMemoryError: its app does not fit into a vehicle.
     """
     jet, rates = file.interaction, rates or AppRates()
     if not isinstance(jet, Jet):
@@ -58,7 +60,7 @@ def model_header(file: ModelFile, vehicle: Vehicle, rates: AppRates | None = Non
         )
     sizes = {
         "NEIGHBOURS": rates.neighbours,
-        "SAMPLES": _samples(jet, rates),
+        "SAMPLES": app_samples(jet, rates.broadcast_hz, rates.neighbours),
         "POWER": int(jet.decay == "power"),
         "STACKS": int(source_terms(jet) != PAIRS_ALONE),
     }
@@ -75,12 +77,6 @@ def model_header(file: ModelFile, vehicle: Vehicle, rates: AppRates | None = Non
             "",
         ]
     )
-
-
-def _samples(jet: Jet, rates: AppRates) -> int:
-    """Return the samples that cover the longest delay, the span of a source's acceleration, and one more."""
-    span = jet.max_delay + (HALF_SPAN_S if source_terms(jet) != PAIRS_ALONE else 0.0)
-    return math.ceil(span * rates.broadcast_hz) + 2
 
 
 def _jet_numbers(jet: Jet) -> dict[str, float]:

@@ -1,16 +1,19 @@
 """Sources of the firmware app: strict C without a heap, in the firmware's interface."""
 
+import ctypes
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from native_apps import STACKED, needs_cc
+from native_apps import STACKED, library, needs_cc
 
 from q2q_control.onboard.app_folder import CORE, write_app
-from q2q_control.onboard.model_header import UnsupportedModelError, model_header
+from q2q_control.onboard.app_memory import LARGEST_BYTES, AppMemoryError, app_bytes, app_samples
+from q2q_control.onboard.model_header import AppRates, UnsupportedModelError, model_header
 from q2q_control.onboard.native_app import FLAGS
-from q2q_model.downwash.jet import MEASURED_LAW
+from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -43,6 +46,24 @@ def test_the_glue_uses_the_firmware_as_documented_and_every_source_is_in_the_bui
     subprocess.run(["cc", *checks, f"-I{interface}", "app_main.c"], cwd=app, check=True)
     built = set(re.findall(r"(\w+)\.o", (app / "Kbuild").read_text(encoding="utf-8")))
     assert built == {path.stem for path in app.glob("*.c")} == {"app_main", *(name[:-2] for name in CORE)}
+
+
+@needs_cc
+@pytest.mark.parametrize("jet", [PAPER_LAW, MEASURED_LAW, MOVING_LAW, STACKED])
+def test_the_memory_of_an_app_is_the_size_of_its_state(jet: Jet) -> None:
+    state = ctypes.c_uint32.in_dll(library(jet, AppRates()), "q2q_app_bytes").value
+    assert state == app_bytes(app_samples(jet, 50.0, 5), 5)
+
+
+@pytest.mark.parametrize("speed", [0.68, 0.05, 5e-324])
+def test_an_app_that_does_not_fit_into_a_vehicle_is_refused(speed: float, tmp_path: Path) -> None:
+    """Up to 12 MB were written without a word."""
+    slow = replace(MOVING_LAW, travel_speed=speed)
+    with pytest.raises(AppMemoryError, match=r"kB of RAM; .* leaves 27 kB.* make its range of 1.5 m smaller"):
+        write_app(tmp_path / "app", ModelFile(slow), CRAZYFLIE_2_0)
+    assert not (tmp_path / "app").exists()
+    fits = replace(MOVING_LAW, travel_speed=0.69)
+    assert app_bytes(app_samples(fits, 50.0, 5), 5) <= LARGEST_BYTES
 
 
 def test_models_that_are_no_jet_and_folders_that_are_not_empty_are_refused(tmp_path: Path) -> None:
