@@ -20,6 +20,9 @@ APP = "q2q.enabled"
 POSE_STD = {"locSrv.extPosStdDev": 0.001, "locSrv.extQuatStdDev": 0.05}
 """Standard deviations of the poses sent [m], [rad], as Crazyswarm2 sets them. Recorded flights gave nothing
 better that keeps the yaw of a vehicle at its start (docs/estimators.md)."""
+MOMENTARY = frozenset({"kalman.resetEstimation", "health.startPropTest", "health.startBatTest"})
+"""Parameters that begin something, and that the firmware then sets to 0 (estimator_kalman.c, health.c): read
+back, they have either value."""
 FLOATS = {"<e", "<f", "<d"}
 """Layouts of floating-point parameters."""
 FLOAT32_ROUNDING = 1e-6
@@ -119,9 +122,13 @@ def _unsettable(name: str, value: float, table: Mapping[str, TableEntry]) -> str
 
 
 def first_difference(required: Mapping[str, float], held: Mapping[str, float]) -> str:
-    """Return the first parameter whose value differs from the required one, with both; empty if none does."""
+    """Return the first parameter whose value differs from the required one, with both; empty if none does.
+
+    A momentary one may be 0 again.
+    """
     for name, value in required.items():
         found = held.get(name, nan)
-        if not isclose(found, value, rel_tol=FLOAT32_ROUNDING):
+        done = name in MOMENTARY and found == 0.0
+        if not (done or isclose(found, value, rel_tol=FLOAT32_ROUNDING)):
             return f"its {name} is {found:g}, expected {value:g} (firmware_params)"
     return ""
