@@ -73,6 +73,10 @@ def compile_app(folder: Path) -> AppLibrary:
                 f"{folder} is not an app of export_app: {done.stderr.strip().splitlines()[0]}"
             )
         loaded = AppLibrary(library)  # stays mapped when its file is gone
+    try:
+        ctypes.c_float.in_dll(loaded, "q2q_acc_per_pwm")
+    except ValueError as missing:
+        raise AppBuildError(f"{folder} is of an earlier export_app: export it again") from missing
     loaded.q2q_step.restype = loaded.q2q_downwash.restype = ctypes.c_float
     loaded.q2q_hear.restype = loaded.q2q_pack.restype = ctypes.c_bool
     return loaded
@@ -105,6 +109,11 @@ class NativeApp:
             self._library.q2q_renew_strength(
                 self._state, ctypes.byref(_motion(own)), ctypes.c_uint32(now_us), j
             )
+
+    @property
+    def acc_per_pwm(self) -> float:
+        """Return the thrust that the exported header takes per PWM, over its mass [m/s^2]."""
+        return ctypes.c_float.in_dll(self._library, "q2q_acc_per_pwm").value
 
     @property
     def unheard(self) -> int:

@@ -98,7 +98,7 @@ def apps_in(scenario: Scenario, folder: str, seed: int) -> OnboardApps | None:
         return None
     noise = AppConditions(acc_noise=scenario.imu.acc_noise, acc_bias=scenario.imu.acc_bias)
     libraries = [compile_app(Path(folder))] * len(scenario.names)
-    return OnboardApps(libraries, scenario.vehicle, noise, seed)
+    return OnboardApps(libraries, noise, seed)
 
 
 def unflown_faults(scenario: Scenario) -> str:

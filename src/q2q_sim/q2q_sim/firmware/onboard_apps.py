@@ -16,8 +16,7 @@ from q2q_control.onboard.native_app import AppLibrary, NativeApp, StepInput
 from q2q_model.geometry.rotations import UP, rotate
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
-from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_model.vehicle.thrust_map import PWM_FULL
+from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.controllers.columns import CONTROL, SET_ACC
 from q2q_sim.firmware.firmware_tick import Controllers
 from q2q_sim.plant.body.state_row import ACC, POS, QUAT, VEL
@@ -59,15 +58,16 @@ class _Broadcast(NamedTuple):
 class OnboardApps:
     """Apps of all vehicles, and the packets in the air."""
 
-    def __init__(
-        self, libraries: Sequence[AppLibrary], vehicle: Vehicle, conditions: AppConditions, seed: int
-    ) -> None:
-        """Start the apps of vehicles like `vehicle`, one of `libraries` on each."""
+    def __init__(self, libraries: Sequence[AppLibrary], conditions: AppConditions, seed: int) -> None:
+        """Start the vehicles' apps, one of `libraries` on each.
+
+        They take mass and thrust per PWM from their headers, as in the real firmware, whatever flies.
+        """
         count = len(libraries)
         self.eta = np.zeros(count)
         """Subtracted from each setpoint's acceleration now [m/s^2]."""
         self._apps = [NativeApp(library) for library in libraries]
-        self._acc_per_pwm = vehicle.full_pwm_thrust / PWM_FULL / vehicle.mass
+        self._acc_per_pwm = np.array([app.acc_per_pwm for app in self._apps])
         self._loss, self._noise = conditions.broadcast_loss, conditions.acc_noise
         self._range = conditions.radio_range
         self._losses, self._rng = stream(seed, "app broadcasts"), stream(seed, "app accelerometer")

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from q2q_control.onboard.app_folder import write_app
-from q2q_control.onboard.native_app import AppBuildError, AppLibrary, compile_app
+from q2q_control.onboard.native_app import AppBuildError, AppLibrary, NativeApp, StepInput, compile_app
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.crtp.fleet import Fleet
@@ -60,7 +60,7 @@ def worst_under(conditions: AppConditions | None) -> tuple[float, float]:
     scenario, seed = scenario_from_document("pass", PASS), 3
     # without the edge torque: it topples the emulated Mellinger controller, with an app and without
     room = Room(scenario, seed, find_air("room", ("edge_torque",)))
-    apps = conditions and OnboardApps([library_of_app()] * 2, scenario.vehicle, conditions, seed)
+    apps = conditions and OnboardApps([library_of_app()] * 2, conditions, seed)
     fleet = Fleet(room.swarm, scenario.vehicle, Build(), apps)
     plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
     pos, error = np.empty((2, round(scenario.duration / TICK_S), 2, 3))
@@ -94,6 +94,40 @@ def test_with_the_app_a_vehicle_passes_under_another_with_a_third_of_the_height_
 
 def test_without_broadcasts_the_correction_alone_still_helps() -> None:
     assert worst_under(replace(FLOWN, broadcast_loss=1.0))[0] < 0.8 * worst_under(None)[0]
+
+
+@pytest.mark.parametrize("heavier", [1.0, 2.0])
+def test_an_app_takes_mass_and_thrust_of_its_header_whatever_vehicle_flies(
+    heavier: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A header of another vehicle or firmware flew like the right one, and then not so on real vehicles."""
+    exported, known = replace(CRAZYFLIE_2_0, mass=heavier * CRAZYFLIE_2_0.mass), list[StepInput]()
+
+    def step(_: NativeApp, one: StepInput) -> float:
+        known.append(one)
+        return 0.0
+
+    monkeypatch.setattr(NativeApp, "step", step)
+    write_app(tmp_path, ModelFile(MEASURED_LAW), exported)
+    scenario = scenario_from_document("pass", PASS)
+    room = Room(scenario, 0, find_air("measured"))
+    fleet = fleet_in(room, scenario, CrtpRoomParams(start="air", app=str(tmp_path)))
+    plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
+    for tick in range(100):
+        send(fleet, setpoint_at(plan, tick * TICK_S))
+        room.fly(fleet.fly)
+    hovering = np.mean([one.thrust for one in known[-200:]])
+    assert hovering == pytest.approx(GRAVITY / heavier, rel=0.02)
+
+
+def test_a_folder_of_an_earlier_export_is_refused(tmp_path: Path) -> None:
+    write_app(tmp_path, ModelFile(MEASURED_LAW), CRAZYFLIE_2_0)
+    code = tmp_path / "q2q_app.c"
+    code.write_text(
+        code.read_text(encoding="utf-8").replace("q2q_acc_per_pwm", "q2q_other"), encoding="utf-8"
+    )
+    with pytest.raises(AppBuildError, match="of an earlier export_app: export it again"):
+        compile_app(tmp_path)
 
 
 def test_a_room_of_crtp_clients_flies_an_exported_app(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@
 #include "q2q_track.h"
 
 const uint32_t q2q_app_bytes = sizeof(struct q2q_app), q2q_neighbours = Q2Q_NEIGHBOURS;
+const float q2q_acc_per_pwm = Q2Q_NEWTON_PER_PWM / Q2Q_MASS;
 
 /* Jobs of a step: the predictions for the present and for when the rotors will have answered, and the strength of
    one source, if sources have one. */

@@ -63,8 +63,9 @@ struct q2q_input {
   bool flying;    /* as the supervisor says, which it does for 2 s after the motors stopped, too */
 };
 
-/* sizeof(struct q2q_app) and Q2Q_NEIGHBOURS, for callers of a shared library. */
+/* sizeof(struct q2q_app), Q2Q_NEIGHBOURS, and thrust per PWM over the mass [m/s^2], for callers of a shared library. */
 extern const uint32_t q2q_app_bytes, q2q_neighbours;
+extern const float q2q_acc_per_pwm;
 
 /* Forget everything. */
 void q2q_reset(struct q2q_app *app);

@@ -91,7 +91,7 @@ def _apps(scenario: Scenario, models: Sequence[LearnedModel], seed: int) -> Onbo
     noise = sqrt(STEPS) * scenario.imu.acc_noise  # white, five samples per tick
     conditions = AppConditions(LOST, noise, scenario.imu.acc_bias, RADIO_RANGE)
     libraries = [_library(model, scenario.vehicle) for model in models]
-    return OnboardApps(libraries, scenario.vehicle, conditions, seed)
+    return OnboardApps(libraries, conditions, seed)
 
 
 @lru_cache(maxsize=16)
