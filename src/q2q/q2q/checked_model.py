@@ -113,7 +113,7 @@ class CheckedModel:
             pair = int(wrong[0])
             rel_pos, value = (one.reshape(allowed.size, -1)[pair] for one in (inputs[0], given))
             there = f"{what} for a source at rel_pos {rel_pos} m is {value}"
-            raise ModelOutputError(f"{self._name}: {there}: {needed or NEEDED[what]}", pair)
+            raise ModelOutputError(f"{self._name}: {there}; {needed or NEEDED[what]}", pair)
 
 
 def _is_length(value: object) -> bool:
