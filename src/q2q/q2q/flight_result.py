@@ -13,6 +13,7 @@ from q2q.bag_scenario import FILE, bag_document
 from q2q_model.bag import BagError, BagReader, BagWriter, FlightFacts, read_facts, read_flight
 from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.units_and_frames.frame_notes import frame_notes
 from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.vehicle.constants import Vehicle
@@ -105,7 +106,9 @@ class FlightResult:
 
 
 def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
-    """Return the flight recorded in a bag; a vehicle that had to be assumed is a warning.
+    """Return the flight recorded in a bag.
+
+    A vehicle that had to be assumed, and a frame that seems to be wrong, are warnings.
 
     Args:
         path: folder of a rosbag2 bag, or its .mcap file.
@@ -117,8 +120,8 @@ def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
     """
     flight = read_flight(path)
     flown = flown_vehicle(Path(path), vehicle)
-    if flown.note:
-        warnings.warn(flown.note, stacklevel=2)
+    for note in (*filter(None, [flown.note]), *frame_notes(flight)):
+        warnings.warn(note, stacklevel=2)
     facts, faults = read_facts(path), flown_faults(Path(path))
     return FlightResult(flight, flown.vehicle, facts, faults, is_cut=BagReader(path).is_cut)
 

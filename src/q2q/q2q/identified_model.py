@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from q2q.argument_checks import check_positive
 from q2q.checked_model import CheckedModel
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.flights.units_and_frames.frame_notes import axis_notes
 from q2q_model.identification.identification import Identification, ProcedureParams
 from q2q_model.identification.identification import identify as identify_recordings
 from q2q_model.model_files import model_file
@@ -40,7 +41,8 @@ def identify(
         threshold: downwash on the boundary of the learned zone [m/s^2].
         topics: topic map (YAML) of bags of other software; None for bags of q2q.
 
-    Repairs of damaged bags, and a vehicle that had to be assumed, are warnings.
+    Repairs of damaged bags, a vehicle that had to be assumed, and flights whose z seems not to be up, are
+    warnings.
 
     Raises:
         BagError: a bag cannot be read.
@@ -55,7 +57,8 @@ def identify(
         raise ValueError("no bags: give the folder of a recorded flight, or several")
     flown = common_vehicle(paths, vehicle)
     recordings, repairs = recordings_of_bags(paths, topic_map(Path(topics) if topics else None))
-    for note in filter(None, (flown.note, *repairs)):
+    doubts = (note for one in recordings for note in axis_notes(one.flight))
+    for note in filter(None, (flown.note, *repairs, *doubts)):
         warnings.warn(note, stacklevel=2)
     params = ProcedureParams(model_type, threshold, flown.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.flights.units_and_frames.up_axis import y_up_reason
+from q2q_model.flights.units_and_frames.frame_notes import axis_notes
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import save
@@ -105,10 +105,9 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         kept, left_out = bags_among(args.bags)
         flown = common_vehicle(kept, args.vehicle)
         recordings, repairs = recordings_of_bags(kept, topic_map(args.topics))
-        for flight in (one.flight for one in recordings):
-            if doubt := y_up_reason(flight.mocap_pos):
-                progress.console.print(f"identify: flight {flight.name}: {doubt}")
-        notes = [*(f"repaired: {repair}" for repair in repairs), *left_out, *filter(None, [flown.note])]
+        doubts = [note for one in recordings for note in axis_notes(one.flight)]
+        repaired = (f"repaired: {repair}" for repair in repairs)
+        notes = [*doubts, *repaired, *left_out, *filter(None, [flown.note])]
         for note in notes:  # first: an error may follow from them
             progress.console.print(f"identify: {note}", soft_wrap=True)
         return identify(recordings, _params(args, flown.vehicle), steps.begin), steps.finish()

@@ -1,4 +1,4 @@
-"""Positions whose y is the height are doubted, by the floor that no vehicle is below."""
+"""Positions whose z is not the height are doubted, by the floor that no vehicle is below."""
 
 import os
 from pathlib import Path
@@ -10,7 +10,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.commands import identify
 from q2q_model.flights.tables.flight_table import POS, flight_table
 from q2q_model.flights.tables.table_file import read_columns
-from q2q_model.flights.units_and_frames.up_axis import FLOOR, y_up_reason
+from q2q_model.flights.units_and_frames.up_axis import FLOOR, up_axis_reason
 from q2q_model.signals.values import Array, MocapFrame
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4].parent / "shared" / "data"))
@@ -32,16 +32,26 @@ def y_up(pos: Array) -> Array:
 
 @pytest.mark.parametrize("outliers", [0, 4])
 def test_a_flight_whose_y_is_up_is_doubted_and_one_whose_z_is_up_is_not(outliers: int) -> None:
-    assert y_up_reason(circle(outliers)) == ""
-    output = y_up_reason(y_up(circle(outliers)))
+    assert up_axis_reason(circle(outliers)) == ""
+    output = up_axis_reason(y_up(circle(outliers)))
     below = (np.sin(np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)) > -FLOOR).mean()
     shares = f"z is below -0.1 m in {below:.0%} of the positions and y in {outliers / 200:.0%}: y may be up"
     assert output.startswith(shares)
 
 
+@pytest.mark.parametrize("outliers", [0, 4])
+def test_a_flight_whose_z_is_down_is_doubted_whatever_its_y_is(outliers: int) -> None:
+    for aside in (-2.0, 0.0, 2.0):
+        down = (circle(outliers) + np.array([0.0, aside, 0.0])) * np.array([1.0, -1.0, -1.0])
+        below, above = (f"{share:.0%}" for share in (1.0 - outliers / 200, outliers / 200))
+        doubt = f"z is below -0.1 m in {below} of the positions and above 0.1 m in {above}: is z down?"
+        assert up_axis_reason(down).startswith(doubt)
+
+
 def test_an_origin_above_the_floor_and_unknown_positions_raise_no_doubt() -> None:
-    assert y_up_reason(circle() - np.array([0.0, 0.0, 2.0])) == ""
-    assert y_up_reason(np.full((9, 2, 3), np.nan)) == ""
+    climbing = circle() + np.linspace(-2.0, 0.0, 200)[:, None] * np.array([0.0, 0.0, 1.0])
+    assert up_axis_reason(climbing) == ""
+    assert up_axis_reason(np.full((9, 2, 3), np.nan)) == ""
 
 
 def test_identify_reports_of_a_bag_whose_y_is_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -62,6 +72,7 @@ def test_identify_reports_of_a_bag_whose_y_is_up(tmp_path: Path, capsys: pytest.
 def test_no_public_flight_is_doubted_and_most_are_with_y_up() -> None:
     files = sorted([*DATA.glob("nanobench/*.parquet"), *DATA.glob("neural_swarm/*.parquet")])
     flights = {file.stem: flight_table(read_columns(file)).vectors(POS) for file in files}
-    assert [name for name, pos in flights.items() if y_up_reason(pos)] == []
-    found = sum(bool(y_up_reason(y_up(pos))) for pos in flights.values())
+    assert [name for name, pos in flights.items() if up_axis_reason(pos)] == []
+    found = sum(bool(up_axis_reason(y_up(pos))) for pos in flights.values())
     assert found >= 0.8 * len(flights) > 0  # 30 of 34: the others move to one side only
+    assert all("is z down?" in up_axis_reason(pos * [1.0, -1.0, -1.0]) for pos in flights.values())

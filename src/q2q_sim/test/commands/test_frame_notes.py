@@ -22,6 +22,7 @@ LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 EXPECTED = {
     "z up": "",
     "y up": "z is below -0.1 m in 46% of the positions and y in 0%: is y up?",
+    "z down": "z is below -0.1 m in 100% of the positions and above 0.1 m in 0%: is z down?",
     "w x y z": "body z of cf1 points -1.00 upwards in the median",
 }
 """Frame -> note."""
@@ -49,7 +50,7 @@ def test_a_flight_in_another_frame_is_doubted(
     tool: str, frame: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pos = circle()
-    turned = np.stack([pos[:, 0], pos[:, 2], -pos[:, 1]], axis=-1) if frame == "y up" else pos
+    turned = {"y up": pos[:, [0, 2, 1]] * [1.0, 1.0, -1.0], "z down": pos * [1.0, -1.0, -1.0]}.get(frame, pos)
     bag = bag_of(tmp_path / "room", turned, LEVEL[[3, 0, 1, 2]] if frame == "w x y z" else LEVEL)
     main, out = TOOLS[tool]
     assert main([str(bag), "--vehicle", "crazyflie_2_0", "--out", str(tmp_path / out)]) == 0

@@ -3,14 +3,22 @@
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.units_and_frames.up_axis import y_up_reason
+from q2q_model.flights.units_and_frames.up_axis import up_axis_reason
 from q2q_model.flights.units_and_frames.upright_check import tilt_reason
 
 
 def frame_notes(flight: Flight) -> list[str]:
     """Return why z seems not to be up or an attitude to be wrong, except in flights of a simulator."""
-    if np.isfinite(flight.true_pos).any():
-        return []
-    pos = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, flight.pos)
-    reasons = (y_up_reason(pos), tilt_reason(flight))
-    return [f"flight {flight.name}: {reason}" for reason in reasons if reason]
+    return [*axis_notes(flight), *_noted(flight, tilt_reason(flight))]
+
+
+def axis_notes(flight: Flight) -> list[str]:
+    """Return why z seems not to be up, except in flights of a simulator: for tools that refuse attitudes."""
+    return _noted(
+        flight, up_axis_reason(np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, flight.pos))
+    )
+
+
+def _noted(flight: Flight, reason: str) -> list[str]:
+    """Return a reason with the flight's name; empty without one, and where the true frame is known."""
+    return [f"flight {flight.name}: {reason}"] if reason and not np.isfinite(flight.true_pos).any() else []

@@ -2,8 +2,9 @@
 
 Vehicles fly above a floor, and motion capture is calibrated on it: the height is the axis that is never far
 below zero. In 34 public flights and 6 bags z is below FLOOR in less than 1 % of the positions, the outliers;
-turned to a frame whose y is up, 36 of the 40 raise this doubt; those that move to one side only do not. In a
-room whose origin is above its floor the doubt may be wrong, so no flight is refused for it.
+turned to a frame whose y is up, 36 of the 40 raise this doubt; those that move to one side only do not. With
+z down (north, east, down) all of them raise it. In a room whose origin is above its floor the doubt may be
+wrong, so no flight is refused for it.
 """
 
 import numpy as np
@@ -16,15 +17,19 @@ OUTLIERS = 0.02
 """Share of the positions that may be outliers [-]: twice that of the noisiest bag."""
 
 
-def y_up_reason(pos: Array) -> str:
-    """Return why y and not z seems to be up in positions (..., 3), NaN where unknown; empty if z may be."""
+def up_axis_reason(pos: Array) -> str:
+    """Return why z seems not to be up in positions (..., 3), NaN where unknown; empty if it may be."""
     known = pos[np.isfinite(pos).all(axis=-1)]
     if not len(known):
         return ""
     y, z = (float((known[:, axis] < FLOOR).mean()) for axis in (1, 2))
-    if z <= OUTLIERS or y > OUTLIERS:
+    above = float((known[:, 2] > -FLOOR).mean())
+    if z <= OUTLIERS or min(y, above) > OUTLIERS:
         return ""
+    share, question = (f"and y in {y:.0%}", "is y up")
+    if above <= OUTLIERS:
+        share, question = f"and above {-FLOOR:g} m in {above:.0%}", "is z down"
     return (
-        f"z is below {FLOOR:g} m in {z:.0%} of the positions and y in {y:.0%}: y may be up, but z must be: a "
+        f"z is below {FLOOR:g} m in {z:.0%} of the positions {share}: {question}? z is to be up, and a "
         "column map turns the axes of a table (bag_import --columns)"
     )
