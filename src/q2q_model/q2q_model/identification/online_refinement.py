@@ -23,10 +23,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.downwash.correction.measured_push import LONGEST_STEP, MeasuredPush
-from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.identification.refined_model import largest_gain, scale_downwash
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.tunable import check_bounds, tunable
@@ -73,7 +72,13 @@ class OnlineRefinement:
     def __init__(
         self, model: InteractionModel, vehicle: Vehicle, params: OnlineRefinementParams | None = None
     ) -> None:
-        self.params = params or OnlineRefinementParams()
+        """Refine a model that is flown with `vehicle`.
+
+        Raises:
+            UnscalableModelError: a model of a class that has no gain.
+        """
+        given = params or OnlineRefinementParams()
+        self.params = replace(given, gain_max=largest_gain(model, given.gain_max))
         self._push = MeasuredPush(vehicle)
         self._predictor = InteractionPredictor(model)
         self.reset()
@@ -161,16 +166,3 @@ def limit_reached(gain: float, params: OnlineRefinementParams) -> str:
     """Return name and value of the limit at which a gain stands; empty if it stands at none."""
     limits = {"gain_max": params.gain_max, "gain_min": params.gain_min}
     return next((f"{name} = {limit:g}" for name, limit in limits.items() if gain == limit), "")
-
-
-def scale_downwash(model: InteractionModel, gain: float) -> InteractionModel:
-    """Return a model whose downwash is `gain` times as strong."""
-    if isinstance(model, Jet):
-        return replace(model, strength=gain * model.strength)
-    if isinstance(model, EnvelopeNetwork):
-        return replace(model, lower=_scaled(model.lower, gain), upper=_scaled(model.upper, gain))
-    return model
-
-
-def _scaled(net: Network, gain: float) -> Network:
-    return replace(net, output_weights=gain * net.output_weights, output_bias=gain * net.output_bias)

@@ -1,6 +1,5 @@
 """Online refinement of a model in flight: `state`, `command`, `imu` in, latched `model` out."""
 
-from dataclasses import replace
 from pathlib import Path
 
 from rclpy.node import Node
@@ -14,7 +13,8 @@ from q2q_model.identification.online_refinement import (
     PublishedGain,
     limit_reached,
 )
-from q2q_model.model_files.model_file import Fit, ModelFile, encode, save
+from q2q_model.identification.refined_model import refined_file
+from q2q_model.model_files.model_file import ModelFile, encode, save
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
@@ -36,16 +36,14 @@ class OnlineIdentification:
         self._refinement = OnlineRefinement(base.interaction, vehicle, params)
         self._carried = CarriedWeight(vehicle)
         self._publisher = node.create_publisher(String, MODEL, LATCHED)
-        self._published = PublishedGain(params)
+        self._published = PublishedGain(self._refinement.params)
         self._ticks, self._gain = 0, 1.0
         self._join = receive_measured_ticks(node, self._take, self._refuse)
 
     @property
     def refined(self) -> ModelFile:
-        """Return the current model, which has no score: those of the base are of another downwash."""
-        return replace(
-            self._base, interaction=self._refinement.refined(), fit=refined_fit(self._base.fit, self._gain)
-        )
+        """Return the current model."""
+        return refined_file(self._base, self._refinement.refined(), self._gain)
 
     def _take(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
         self._ticks += 1
@@ -78,12 +76,6 @@ class OnlineIdentification:
         if not reason:
             save(out, self.refined)
         return reason
-
-
-def refined_fit(base: Fit | None, gain: float) -> Fit:
-    """Return the fit of a refined model: the flights of its base, which are not held out, and no score."""
-    known = base or Fit("model without a fit", ())
-    return Fit(f"{known.method}, times {gain:.3f} in flight", known.flights, digests=known.digests)
 
 
 def refine_online(base: ModelFile, vehicle: Vehicle, out: Path) -> str:

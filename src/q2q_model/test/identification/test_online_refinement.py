@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,17 +10,16 @@ from made_flights import LOOP, Pass, made_flight
 from resting_signals import level_command, resting_state
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
-from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.networks.gradient import unpack
 from q2q_model.identification.online_refinement import (
     OnlineEstimate,
     OnlineRefinement,
     OnlineRefinementParams,
     PublishedGain,
-    scale_downwash,
 )
+from q2q_model.identification.refined_model import scale_downwash
+from q2q_model.model_files.model_file import ModelFile, save
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
@@ -171,6 +171,17 @@ def test_the_ground_before_and_after_a_flight_teaches_nothing():
     np.testing.assert_allclose(found.offset, expected.offset, atol=0.02)
 
 
+def test_a_gain_at_the_bounds_of_models_leaves_one_that_can_be_saved(tmp_path: Path):
+    """Sensors feel 500 times the downwash of a jet whose strength may be 20 m/s^2 at most."""
+    online = OnlineRefinement(replace(PAPER_LAW, strength=15.0), VEHICLE, EAGER)
+    for state, command, imu in ticks(made_flight(FLOWN)):
+        felt = imu.specific_force_body - [0.0, 0.0, GRAVITY]
+        strong = replace(imu, specific_force_body=500.0 * felt + [0.0, 0.0, GRAVITY])
+        estimate = online.update(state, command, strong)
+    assert 1.0 <= estimate.gain == online.params.gain_max <= 20.0 / 15.0
+    save(tmp_path / "refined.q2q", ModelFile(online.refined()))
+
+
 def test_the_prior_holds_the_gain_until_there_is_evidence():
     bold, shy = (
         OnlineRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, OnlineRefinementParams(prior=prior))
@@ -194,13 +205,3 @@ def test_without_a_prior_a_downwash_that_never_changes_tells_nothing_of_the_gain
         force = np.array([[0.0, 0.0, GRAVITY]]) + 0.2 * rng.standard_normal((2, 3))
         imu = SwarmImu(t, state.names, force, np.zeros((2, 3)))
         assert online.update(replace(state, t=t), replace(command, t=t), imu).gain == 1.0
-
-
-def test_every_kind_of_model_scales():
-    rel_pos = np.array([[0.03, 0.0, 0.4], [0.0, 0.02, -0.5]])
-    networks = unpack(np.random.default_rng(14).standard_normal(322), 0.1, 1.1)
-    for law in (Jet(carried=1.0, travel_speed=3.0), networks, NoInteraction()):
-        once, twice = (
-            one.acceleration(rel_pos, pairs_at_rest(rel_pos)) for one in (law, scale_downwash(law, 2.0))
-        )
-        np.testing.assert_allclose(twice, 2.0 * once, rtol=1e-12)
