@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.flights.flight import Flight
@@ -53,11 +54,21 @@ def test_vehicles_that_never_part_leave_the_strength_unknown() -> None:
     assert strength_is_any(found)
 
 
-def test_flights_without_accelerometer_say_that_no_push_was_measured() -> None:
+@pytest.mark.parametrize(
+    ("vehicles", "reason"),
+    [(slice(None), "no push was measured"), (slice(1), "nothing was measured of the vehicle below")],
+)
+def test_flights_without_accelerometers_say_that_nothing_was_measured(vehicles: slice, reason: str) -> None:
     """In passes with clear air the altitudes show the constant, and so the strength."""
-    blind = [replace(one, specific_force_body=np.full((*one.pos.shape,), np.nan)) for one in passes(0.3)]
-    found = identified(blind)
+    found = identified([blind(one, vehicles) for one in passes(0.3)])
     (note,) = [one for one in found.remarks if "inferred" in one]
-    assert "no push was measured" in note
+    assert reason in note
     assert "unknown" not in note
     assert not strength_is_any(found)
+
+
+def blind(flight: Flight, vehicles: slice) -> Flight:
+    """Return a flight without the accelerometers of some vehicles."""
+    felt = flight.specific_force_body.copy()
+    felt[:, vehicles] = np.nan
+    return replace(flight, specific_force_body=felt)
