@@ -21,8 +21,8 @@ TOOLS: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 EXPECTED = {
     "z up": "",
-    "y up": "z is below -0.1 m in 46% of the positions and y in 0%: is y up?",
-    "z down": "z is below -0.1 m in 100% of the positions and above 0.1 m in 0%: is z down?",
+    "y up": "z is below -0.1 m in 46% of the positions and y in 0%: y may be up",
+    "z down": "z is below -0.1 m in 100% of the positions and above 0.1 m in 0%: z may be down",
     "w x y z": "body z of cf1 points -1.00 upwards in the median",
 }
 """Frame -> note."""

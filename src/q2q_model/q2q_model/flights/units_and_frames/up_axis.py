@@ -26,10 +26,10 @@ def up_axis_reason(pos: Array) -> str:
     above = float((known[:, 2] > -FLOOR).mean())
     if z <= OUTLIERS or min(y, above) > OUTLIERS:
         return ""
-    share, question = (f"and y in {y:.0%}", "is y up")
+    share, doubt = f"and y in {y:.0%}", "y may be up"
     if above <= OUTLIERS:
-        share, question = f"and above {-FLOOR:g} m in {above:.0%}", "is z down"
+        share, doubt = f"and above {-FLOOR:g} m in {above:.0%}", "z may be down"
     return (
-        f"z is below {FLOOR:g} m in {z:.0%} of the positions {share}: {question}? z is to be up, and a "
+        f"z is below {FLOOR:g} m in {z:.0%} of the positions {share}: {doubt}, but z must be up: a "
         "column map turns the axes of a table (bag_import --columns)"
     )
