@@ -39,8 +39,8 @@ from q2q_model.identification.selection.jet_candidates import parameter_interval
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
 from q2q_model.identification.selection.model_doubts import Scores, model_doubts
 from q2q_model.identification.selection.network_candidates import network_notes
+from q2q_model.identification.selection.unused_pushes import unused_push_notes, with_unknown_strength
 from q2q_model.identification.statistics.intervals import Interval
-from q2q_model.identification.unused_pushes import unused_push_notes, with_unknown_strength
 from q2q_model.model_files.model_file import Fit, ModelFile
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
