@@ -10,11 +10,15 @@ import yaml
 from matplotlib.figure import Figure
 
 from q2q.bag_scenario import FILE, bag_document
-from q2q_model.bag import BagError, BagReader, BagWriter, FlightFacts, read_facts, read_flight
+from q2q_model.bag import BagError, BagReader, BagWriter, FlightFacts, read_facts
 from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.flights.units_and_frames.frame_notes import frame_notes
-from q2q_model.recordings.bag_vehicle import flown_vehicle
+from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
+from q2q_model.recordings.filtered_states import with_filtered_states
+from q2q_model.recordings.recording_reader import flight_of_bag, recording_of_table
+from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.faults.faults import Fault
@@ -105,25 +109,33 @@ class FlightResult:
         return page({self.arrays.name: self}, path)
 
 
-def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
-    """Return the flight recorded in a bag.
+def read_bag(path: Path | str, vehicle: str = "", *, topics: Path | str | None = None) -> FlightResult:
+    """Return a recorded flight, with filtered states where none are recorded.
 
     A vehicle that had to be assumed, and a frame that seems to be wrong, are warnings.
 
     Args:
-        path: folder of a rosbag2 bag, or its .mcap file.
+        path: folder of a rosbag2 bag, or its .mcap file; or a table (.parquet, .csv).
         vehicle: name of the vehicle; empty takes that of the bag's metadata, else the default.
+        topics: topic map (YAML) of a bag of other software; None for a bag of q2q.
 
     Raises:
         BagError: the bag cannot be read.
-        ValueError: there is no such vehicle.
+        ValueError: there is no such vehicle, the table cannot be read, or positions are not in metres.
     """
-    flight = read_flight(path)
-    flown = flown_vehicle(Path(path), vehicle)
+    given, flown = Path(path), flown_vehicle(Path(path), vehicle)
+    if given.suffix in TABLES:
+        return _read(recording_of_table(given).flight, flown)
+    flight = with_filtered_states(flight_of_bag(given, topic_map(Path(topics) if topics else None)))
+    facts, faults = read_facts(given), flown_faults(given)
+    return replace(_read(flight, flown), facts=facts, faults=faults, is_cut=BagReader(given).is_cut)
+
+
+def _read(flight: Flight, flown: FlownVehicle) -> FlightResult:
+    """Return a flight as it was read; what is assumed or doubted is a warning."""
     for note in (*filter(None, [flown.note]), *frame_notes(flight)):
-        warnings.warn(note, stacklevel=2)
-    facts, faults = read_facts(path), flown_faults(Path(path))
-    return FlightResult(flight, flown.vehicle, facts, faults, is_cut=BagReader(path).is_cut)
+        warnings.warn(note, stacklevel=3)
+    return FlightResult(flight, flown.vehicle)
 
 
 def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", vehicle: str = "") -> Figure:

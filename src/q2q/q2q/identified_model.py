@@ -17,8 +17,9 @@ from q2q_model.identification.identification import identify as identify_recordi
 from q2q_model.model_files import model_file
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import MODELS, ModelFile
-from q2q_model.recordings.bag_vehicle import common_vehicle
-from q2q_model.recordings.recordings_of_bags import recordings_of_bags, topic_map
+from q2q_model.recordings.recordings_of_bags import topic_map
+from q2q_model.recordings.recordings_of_paths import recordings_of_paths
+from q2q_model.recordings.vehicle_of_flights import vehicle_of_flights
 
 ModelChoice = str | Path | InteractionModel | ModelFile | Identification
 """Interaction model, with or without zone and gains, its name or file, or an identification."""
@@ -35,7 +36,8 @@ def identify(
     """Return gains, zone and interaction model of recorded flights, with scores on held-out ones.
 
     Args:
-        bags: folders of rosbag2 bags, one per flight; two or more for a held-out score, or the only one.
+        bags: rosbag2 bags and tables (.parquet, .csv), one per flight, or folders of them; two or more for a
+            held-out score, or the only one.
         model_type: "auto" selects by held-out error.
         vehicle: name of the vehicle; empty takes that of the bags' metadata, else the default.
         threshold: downwash on the boundary of the learned zone [m/s^2].
@@ -46,8 +48,8 @@ def identify(
 
     Raises:
         BagError: a bag cannot be read.
-        TypeError, ValueError: an argument that is not allowed, no bag, or flights that lack data that a step
-            needs; the message says what is allowed, or what to record.
+        TypeError, ValueError: an argument that is not allowed, no bag, a table that cannot be read, or
+            flights that lack data that a step needs; the message says what is allowed, or what to record.
     """
     check_positive("threshold", threshold, "m/s^2")
     if not isinstance(bags, str | Path | Iterable):
@@ -55,10 +57,10 @@ def identify(
     paths = [Path(bag) for bag in ([bags] if isinstance(bags, str | Path) else bags)]
     if not paths:
         raise ValueError("no bags: give the folder of a recorded flight, or several")
-    flown = common_vehicle(paths, vehicle)
-    recordings, repairs = recordings_of_bags(paths, topic_map(Path(topics) if topics else None))
+    flown = vehicle_of_flights(paths, vehicle)
+    recordings, notes = recordings_of_paths(paths, topic_map(Path(topics) if topics else None))
     doubts = (note for one in recordings for note in axis_notes(one.flight))
-    for note in filter(None, (flown.note, *repairs, *doubts)):
+    for note in filter(None, (flown.note, *notes, *doubts)):
         warnings.warn(note, stacklevel=2)
     params = ProcedureParams(model_type, threshold, flown.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices

@@ -6,10 +6,14 @@ from pathlib import Path
 from q2q_model.bag.reader import BagReader
 from q2q_model.bag.storage.bag_path import flight_name
 from q2q_model.bag.storage.errors import BagError, warn_of_repairs
+from q2q_model.counted import first_of
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight
 from q2q_model.flights.joined_flight import flight_from_rows
 from q2q_model.signals.layout import SIGNALS
 from q2q_model.signals.topic_names import TICK_TOPICS
+
+MOST_TOPICS = 8
+"""Most topics of other software that an error names."""
 
 
 def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Flight:
@@ -27,7 +31,7 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
     for name in required:
         if not signals.get(name):
             counts = {key: sum(one.t.size for one in rows) for key, rows in signals.items()}
-            has = ", ".join(f"{key} ({count})" for key, count in counts.items()) or "none of ours"
+            has = ", ".join(f"{key} ({count})" for key, count in counts.items()) or _foreign(bag)
             raise BagError(f"bag {bag.path} has no message on {name}; it has {has}")
     try:
         joined = flight_from_rows(flight_name(path), signals)
@@ -35,6 +39,12 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
         raise BagError(f"bag {bag.path}: {misfit}") from misfit
     warn_of_repairs(bag.repairs + tuple(f"bag {bag.path}: {repair}" for repair in joined.repairs))
     return joined.flight
+
+
+def _foreign(bag: BagReader) -> str:
+    """Return the topics of a bag that has none of q2q, and what reads them."""
+    topics = ", ".join(first_of(sorted(bag.topics), MOST_TOPICS)) or "none"
+    return f"{topics}, which a topic map assigns to vehicles (--topics; in Python topics=)"
 
 
 def topics_by_name(bag: BagReader) -> dict[str, str]:

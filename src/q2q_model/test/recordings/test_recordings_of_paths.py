@@ -11,7 +11,7 @@ from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.recordings.recording_reader import flights_among
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
-from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
+from q2q_model.recordings.vehicle_of_flights import vehicle_of_flights
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 
 HEAD = "t,x,y,z\n"

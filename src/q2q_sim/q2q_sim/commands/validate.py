@@ -35,7 +35,7 @@ def _prepare(args: Namespace) -> Work:
 def _run(args: Namespace) -> int:
     from q2q_model.recordings.recordings_of_bags import topic_map
     from q2q_model.recordings.recordings_of_paths import recordings_of_paths
-    from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
+    from q2q_model.recordings.vehicle_of_flights import vehicle_of_flights
     from q2q_sim.air.lookup.find_air import find_air
     from q2q_sim.experiments.validation.validate_flights import validate
 

@@ -11,7 +11,7 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
-from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
+from q2q_model.recordings.vehicle_of_flights import vehicle_of_flights
 from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.learned_air import LearnedAir, learn_air
 from q2q_sim.air.learning.statistics.fitted import Fitted

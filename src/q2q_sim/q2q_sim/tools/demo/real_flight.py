@@ -19,7 +19,7 @@ from q2q_model.identification.push.push_samples import FEWEST_FREE, PushSamples,
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.model_files.model_file import Fit, ModelFile, save
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
-from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
+from q2q_model.recordings.vehicle_of_flights import vehicle_of_flights
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path, flights_folder
