@@ -1,5 +1,7 @@
 """Whole flights by the procedure through the node `crazyswarm`, in simulated time."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from procedure_room import ProcedureRoom
 from procedure_server import Server, by_bridge, said_in_order
-from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, fly_plan, land
+from procedure_vehicles import NAMES, SHORT, SHORT_ENDS, TABLE6_ENDS, fly_plan, land
 from room_node import Client, Future
 
 from q2q_control.flight_procedure.steps import Call
@@ -159,6 +161,26 @@ def test_an_emergency_by_the_bridge_stops_the_motors(monkeypatch: pytest.MonkeyP
     room.wait(1.0)
     assert room.height[-1].max() < 0.02
     assert "the step is stopped" in room.call(Call.TAKE_OFF).reason
+
+
+def test_a_dry_run_by_the_bridge_calls_the_server_for_an_emergency_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    room, server = by_bridge(monkeypatch, SHORT, dry_run=True)
+    room.wait(1.5)
+    assert room.call(Call.TAKE_OFF).reason.startswith("dry run, not executed; ")
+    room.wait(1.0)
+    assert room.log == []
+    for name in NAMES:
+        server.services()[f"{name}/arm"](SimpleNamespace(arm=True))
+    room.wait(1.5)
+    server.take_off(0.5, 1.0)
+    room.wait(1.5)
+    assert room.height[-1].min() > 0.4
+    assert room.call(Call.EMERGENCY).granted
+    assert room.log == ["arm", "arm", "emergency"]
+    room.wait(1.0)
+    assert room.height[-1].max() < 0.02
 
 
 GENTLE = 0.8

@@ -2,7 +2,7 @@
 
 Prints the answer. The exit status is 0 if the call was granted, 1 if it was refused or not answered. The
 calls are std_srvs/Trigger services of the nodes radio and crazyswarm. With their option --dry-run they
-execute none, emergency included.
+execute none but emergency, which always stops the motors.
 """
 
 import re

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from q2q_model.tunable import check_bounds, tunable
 
 DRY_RUN = (
-    "check and log calls without executing them: no arming, take-off, setpoint, landing or emergency stop; "
-    "poses and firmware parameters are sent"
+    "check and log calls without executing them: no arming, take-off, setpoint or landing; an emergency "
+    "stop is executed, and poses and firmware parameters are sent"
 )
 """Description of the parameter and of `--dry-run`."""
 ROUNDING = 1e-9

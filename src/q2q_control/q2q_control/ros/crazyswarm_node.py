@@ -34,8 +34,8 @@ where they are, and waits until they are down, for the duration of the landing a
 The server must keep running until then: without it the vehicles fall 2 s after the last setpoint.
 
 With `--dry-run` calls are checked and answered, but not executed: vehicles do not arm, take off, follow
-setpoints or land, and the emergency stop is not executed either. Poses are converted, and the server sets
-firmware parameters and sends poses as usual.
+setpoints or land. Only `~/emergency` is executed: it stops the motors. Poses are converted, and the server
+sets firmware parameters and sends poses as usual.
 """
 
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm

@@ -8,8 +8,8 @@
 The services `~/take_off`, `~/fly`, `~/hold`, `~/land` and `~/emergency` call the flight procedure
 (docs/real_vehicles.md). Each answers when its action is complete, or with the reason for a refusal;
 `procedure/status` has the step. `~/emergency` stops and locks the motors; `~/stop` is the same, and so is
-`all/emergency` in mode setpoint, where no controller node provides it. `~/start` flies vehicles that are
-already at their setpoints, such as simulated ones that start in the air.
+`all/emergency` in mode setpoint, where no controller node provides it, and in a dry run. `~/start` flies
+vehicles that are already at their setpoints, such as simulated ones that start in the air.
 
 From the connection on, the node sets firmware parameters (`firmware_params`, stabilizer.controller) and, with
 `places`, sends each vehicle the poses in which it was measured.
@@ -19,7 +19,8 @@ measurements it sinks instead, and its motors are stopped at last. With a low ba
 q2q_control.radio.pilot.vehicle_pilot lists all automatic actions.
 
 With `--dry-run` calls are checked and answered, but not executed: vehicles do not arm, take off, follow
-setpoints or land, and the emergency stop is not executed either. Poses and firmware parameters are sent.
+setpoints or land. Only `~/emergency`, `~/stop` and `all/emergency` are executed: they stop the motors. Poses
+and firmware parameters are sent.
 """
 
 from q2q_control.ros.radio_wiring import RadioNode

@@ -52,7 +52,7 @@ class RadioNode:
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)
         self._services.offer_also("stop", Call.EMERGENCY)
         steady_timer(node, WATCH_S, self._watch)
-        if params.mode == "setpoint":
+        if params.mode == "setpoint" or procedure[0].dry_run:
             node.create_service(Empty, EMERGENCY, self._on_emergency)
         publish_health(node, health, self._facts)
 

@@ -266,7 +266,7 @@ def test_a_start_that_is_landed_as_its_stream_begins_lands_before_it_disarms() -
     assert bench.acts == [Act.ARM, Act.STREAM, Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
-def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:
+def test_a_dry_run_sends_nothing_but_an_emergency_and_says_what_would_be_sent() -> None:
     bench = Bench(params=replace(PARAMS, dry_run=True))
     answer = bench.asked(Call.TAKE_OFF)
     assert answer.granted
@@ -278,3 +278,6 @@ def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:
     assert bench.asked(Call.LAND).reason.startswith("dry run, not executed; the step is checked")
     assert bench.sent == []
     assert bench.procedure.step is Step.CHECKED
+    assert bench.asked(Call.EMERGENCY).granted
+    assert bench.acts == [Act.EMERGENCY]
+    assert bench.procedure.step is Step.STOPPED

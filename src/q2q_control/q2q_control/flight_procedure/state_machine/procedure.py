@@ -16,7 +16,8 @@
 
 Nothing moves without a call. A refused call changes nothing. A granted call is answered when it is done, has
 failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `fly`, `emergency` all. An
-`emergency` that is called again is sent again, and one outcome answers both calls.
+`emergency` that is called again is sent again, and one outcome answers both calls. In a dry run no call but
+`emergency` is executed.
 `start` skips take-off and transit, for vehicles already at their setpoints. In flight, all vehicles land when
 setpoints jump or stay away, or with Crazyswarm2 when nothing is sent to a vehicle. From a hold, `land` first
 transits back to the plan's first points, where the next flight can begin (land_home); so it does from any
@@ -57,7 +58,7 @@ class FlightProcedure:
     def call(self, call: Call, observation: Observation, t: float) -> Reply | None:
         """Make a call at time t [s]; return its reply, or None if that comes later (`state`)."""
         refusal = self._refusal(call, observation)
-        if self._flight.params.dry_run:
+        if self._flight.params.dry_run and call is not Call.EMERGENCY:
             acts = ", then ".join(str(self._flight.order(act, observation)) for act in ACTS_OF[call])
             checks = refusal or unchecked(observation) or "all checks pass"
             text = f"dry run, not executed; {checks}; {call.value} means: {acts}"
