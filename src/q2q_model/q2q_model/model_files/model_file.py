@@ -86,11 +86,11 @@ def save(path: Path, content: ModelFile) -> None:
 
     Raises:
         ModelFileError: a number is not finite, the class of the model or zone is not supported, or `load`
-            would refuse the model.
+            would refuse the file.
     """
     text = encode(content)
     try:
-        check_model(content.interaction)
+        decode(text)
     except ValueError as error:
         raise ModelFileError(f"model file {path}: {error}") from error
     write_text(text, path)

@@ -21,6 +21,7 @@ from q2q_model.identification.refined_model import (
 )
 from q2q_model.model_files.model_bounds import check_model
 from q2q_model.model_files.model_file import Fit, ModelFile, load, save
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 
 PEAK = peak_downwash(MOVING_LAW)
@@ -67,6 +68,14 @@ def test_a_refined_file_can_be_loaded_whatever_its_zone(tmp_path: Path, gain: fl
     found = load(tmp_path / "refined.q2q")
     assert isinstance(found.zone, LevelSet if kept else Cylinder)
     assert found.fit == Fit(f"jet, times {gain:.3f} in flight", ("one",), digests=("ab",))
+
+
+def test_a_file_that_load_would_refuse_is_not_saved(tmp_path: Path) -> None:
+    base = ModelFile(MOVING_LAW, level_set(MOVING_LAW, 0.6 * PEAK))
+    path = tmp_path / "refined.q2q"
+    with pytest.raises(ModelFileError, match="zone threshold"):
+        save(path, replace(base, interaction=scale_downwash(MOVING_LAW, 0.5)))
+    assert not path.exists()
 
 
 def test_a_zone_of_distances_stays() -> None:
