@@ -54,4 +54,4 @@ def test_shares_and_rest_add_up_to_the_loss_and_other_draws_widen_the_intervals(
 def test_the_help_says_which_orders_are_allowed(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["--help"])
-    assert "an even number of 4 or more (default 8)" in " ".join(capsys.readouterr().out.split())
+    assert "even, 4 or more (default 8)" in " ".join(capsys.readouterr().out.split())

@@ -24,7 +24,7 @@ def test_topics_of_q2q_are_known_with_a_slash_before_them() -> None:
         "mocap": "q2q_msgs/msg/MocapFrame",
         "/state": "q2q_msgs/msg/SwarmState",
     }
-    with pytest.raises(ValueError, match="parameter topics: no /room/state; there are mocap"):
+    with pytest.raises(ValueError, match="parameter topics: no /room/state; choose from mocap"):
         recorded_types(("/room/state",), (), by_header=True)
 
 

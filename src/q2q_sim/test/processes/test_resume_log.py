@@ -84,7 +84,7 @@ def test_a_file_that_is_nested_too_deeply_is_refused(tmp_path: Path) -> None:
     file.write_text("[" * 100_000)
     with pytest.raises(ValueError, match=r"numbers\.json is not an ablation .*remove it, or give another"):
         read_numbers(file, 4)
-    with pytest.raises(ValueError, match=r"numbers\.json has no numbers of flights .*remove it, or give"):
+    with pytest.raises(ValueError, match=r"numbers\.json has no results of flights .*remove it, or give"):
         fill_robustness.read(file)
 
 

@@ -205,7 +205,7 @@ def test_a_part_of_a_bag_has_the_times_of_the_bag(tmp_path: Path, capsys: pytest
 
 
 def test_four_runs_are_refused(run: ReplayRun):
-    with pytest.raises(ValueError, match="4 runs: 1 to 3"):
+    with pytest.raises(ValueError, match="4 runs; must be 1 to 3"):
         replay_element([run] * 4)
 
 

@@ -70,7 +70,7 @@ def test_the_progress_of_a_flight_is_named_as_in_its_table(
     def refuse(*_: object) -> None:
         raise ValueError("not flown")
 
-    monkeypatch.setattr(fly_scenario, "fly", refuse)
+    monkeypatch.setattr(fly_scenario, "fly_through_nodes", refuse)
     monkeypatch.setattr("signal.signal", lambda *_: None)  # Interruption's handlers would remain
     asked = request_of(parser().parse_args(["table6", "--ignoring", "--correct"]))
     with pytest.raises(ValueError, match="not flown"):
