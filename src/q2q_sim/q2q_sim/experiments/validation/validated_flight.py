@@ -80,7 +80,7 @@ def pooled_comparison(flights: Sequence[ValidatedFlight]) -> Comparison:
 def validation_sentence(numbers: Comparison) -> str:
     """Return the verdict on an air in one sentence."""
     if numbers.n == 0:
-        return "No flight has a vehicle under another: the air's wakes were not compared."
+        return "No row under another vehicle was compared: the air's wakes were not judged."
     misses = [text for ok, text in _judged(numbers) if not ok]
     if not misses:
         return "Under a wake, these recorded flights cannot be told from flights in this air."
