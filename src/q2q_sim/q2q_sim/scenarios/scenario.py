@@ -39,6 +39,7 @@ class Scenario:
     duration: float
     """[s]"""
     vehicle: Vehicle
+    """Type of all vehicles."""
     waypoints: tuple[VehicleWaypoints, ...]
     """One for each vehicle."""
     plan: SwarmPlan | None = None

@@ -40,3 +40,11 @@ def test_a_changed_scenario_is_that_of_its_document() -> None:
 def test_what_no_document_gives_has_none() -> None:
     own = library.load("table6_room")
     assert document_of(replace(own, vehicle=replace(own.vehicle, mass=0.031))) is None
+
+
+def test_a_document_names_one_type_for_all_vehicles() -> None:
+    types = {"cf1": "crazyflie_2_0", "cf2": "crazyflie_2_1"}
+    with pytest.raises(
+        ValueError, match=r"^vehicle = .*: the name of one type, which all vehicles have, is expected$"
+    ):
+        scenario_from_document("mixed", {"vehicle": types, "vehicles": {}})
