@@ -121,9 +121,10 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     whole = _stacked(records)
     system = _without_limited(whole)
     if system.target.size < FEWEST_ROWS:
+        flights = len({record.name for record in records})  # a record may be a piece of one
         raise ValueError(
             f"{counted(system.target.size, 'row')} with thrust commands in "
-            f"{counted(len(records), 'flight')}, at references with rates; must be at least {FEWEST_ROWS}: "
+            f"{counted(flights, 'flight')}, {FEWEST_ROWS} needed, at references with rates: "
             "record the topics command and reference, or fit the gains to trajectories"
         )
     terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]
