@@ -110,7 +110,7 @@ def test_a_flight_of_a_bag_is_not_written_again(flight: q2q.FlightResult, tmp_pa
 
 def test_an_assumed_vehicle_is_a_warning(flight: q2q.FlightResult, tmp_path: Path):
     silent = replace(flight, facts=FlightFacts()).to_bag(tmp_path / "silent")
-    with pytest.warns(UserWarning, match="crazyflie_2_0 is assumed"):
+    with pytest.warns(UserWarning, match=r"crazyflie_2_0 is assumed; name it with .*in Python vehicle="):
         assert q2q.read_bag(silent).vehicle.name == "crazyflie_2_0"
 
 

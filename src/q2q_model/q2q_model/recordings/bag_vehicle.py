@@ -6,7 +6,7 @@ from pathlib import Path
 
 from q2q_model.bag import read_facts
 from q2q_model.counted import first_of
-from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLE_OPTION, Vehicle, vehicle_by_name
 from q2q_model.vehicle.thrust_map import STOCK
 
 
@@ -29,12 +29,12 @@ def flown_vehicle(bag: Path, override: str = "") -> FlownVehicle:
         return FlownVehicle(vehicle_by_name(override))
     facts = read_facts(bag)
     if not facts.vehicle:
-        note = f"{bag} does not name its vehicle: {DEFAULT_VEHICLE} is assumed; name it with --vehicle"
+        note = f"{bag} does not name its vehicle: {DEFAULT_VEHICLE} is assumed; name it with {VEHICLE_OPTION}"
         return FlownVehicle(vehicle_by_name(DEFAULT_VEHICLE), note)
     try:
         return FlownVehicle(vehicle_by_name(facts.vehicle, facts.firmware or STOCK))
     except ValueError as unknown:
-        raise ValueError(f"bag {bag}: {unknown}; name the vehicle with --vehicle") from unknown
+        raise ValueError(f"bag {bag}: {unknown}; name the vehicle with {VEHICLE_OPTION}") from unknown
 
 
 def common_vehicle(bags: Sequence[Path], override: str = "") -> FlownVehicle:
@@ -50,12 +50,12 @@ def common_vehicle(bags: Sequence[Path], override: str = "") -> FlownVehicle:
     if len(named) > 1:
         flown = ", ".join(f"{bag} of {name}" for name, bag in named.items())
         raise ValueError(
-            f"bags of different vehicles, {flown}: process them separately, or name one with --vehicle"
+            f"bags of different vehicles, {flown}: process them separately, or name one with {VEHICLE_OPTION}"
         )
     unnamed = [str(bag) for one, bag in zip(found, bags, strict=True) if one.note]
     vehicle = next((one.vehicle for one in found if not one.note), found[0].vehicle)
     if not unnamed:
         return FlownVehicle(vehicle)
     which = " ".join(first_of(unnamed, 1))
-    note = f"no vehicle is named in {which}: {vehicle.name} is assumed; name it with --vehicle"
+    note = f"no vehicle is named in {which}: {vehicle.name} is assumed; name it with {VEHICLE_OPTION}"
     return FlownVehicle(vehicle, note)

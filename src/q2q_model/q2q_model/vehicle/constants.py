@@ -149,6 +149,8 @@ VEHICLES = {
 
 DEFAULT_VEHICLE = CRAZYFLIE_2_0.name
 """Vehicle that tools assume by default: the paper's."""
+VEHICLE_OPTION = "--vehicle (in Python vehicle=)"
+"""What names the vehicle of recorded flights, in notes and errors of commands and functions."""
 
 
 def vehicle_by_name(name: str, firmware: str = STOCK) -> Vehicle:

@@ -105,7 +105,8 @@ def test_the_vehicle_of_tables_is_assumed_with_a_note(tmp_path: Path):
         (tmp_path / f"{name}.csv").write_text(HEAD + ROWS)
     flown = vehicle_of_flights([tmp_path])
     assert flown.vehicle == CRAZYFLIE_2_0
-    assert flown.note.endswith("one.csv and 1 more: crazyflie_2_0 is assumed; name it with --vehicle")
+    assumed = "crazyflie_2_0 is assumed; name it with --vehicle (in Python vehicle=)"
+    assert flown.note.endswith(f"one.csv and 1 more: {assumed}")
     named = vehicle_of_flights([tmp_path], "crazyflie_2_1")
     assert named.vehicle == CRAZYFLIE_2_1
     assert named.note == ""

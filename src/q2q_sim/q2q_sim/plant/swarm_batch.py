@@ -131,10 +131,16 @@ class SwarmBatch:
 
         Raises:
             TypeError: an air that a batch cannot step.
-            ValueError: no swarms, no vehicles, no threads, or not one seed for each swarm.
+            ValueError: `start` of another shape, no swarms, no vehicles, no threads, or not one seed for each
+                swarm.
         """
         _check_air(setup.air)
-        swarms, count = setup.start.shape[:2]
+        start = np.asarray(setup.start, dtype=np.float64)
+        if start.ndim != 3 or start.shape[2] != 4:
+            raise ValueError(
+                f"start of shape {start.shape} is given; must be (swarms, vehicles, 4): x, y, z, yaw"
+            )
+        swarms, count = start.shape[:2]
         seeds = setup.seeds or range(swarms)
         if swarms * count == 0 or len(seeds) != swarms or threads < 1:
             raise ValueError(
@@ -143,7 +149,7 @@ class SwarmBatch:
             )
         step = 1.0 / PHYSICS_RATE
         self.body = body_of_room(setup.air, setup.vehicle, step)
-        states = [state_at_rest(start, setup.vehicle.mass) for start in setup.start]
+        states = [state_at_rest(places, setup.vehicle.mass) for places in start]
         self.state = np.stack(states)
         """Rows of each swarm, (swarms, n, STATE_WIDTH)."""
         pairs = zip(states, seeds, strict=True)

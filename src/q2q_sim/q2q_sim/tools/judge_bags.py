@@ -12,6 +12,7 @@ from q2q_model.documents.json_file import Json, write_json
 from q2q_model.identification.push.recorded_push import CommandedThrust, check_thrust
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.signals.values import TrackStatus
+from q2q_model.vehicle.constants import VEHICLE_OPTION
 from q2q_model.writable_places import STDOUT
 from q2q_sim.flight_bag.recorded_trace import trace_in
 from q2q_sim.flight_bag.scenario_facts import flown_faults
@@ -98,7 +99,7 @@ def circumstances_of_bag(bag: Path, scenario: str, vehicle: str) -> Circumstance
     known = flown_vehicle(bag, vehicle)
     if known.note and flown is not None:
         note = f"{bag} does not name its vehicle: {flown.vehicle.name} of the scenario is assumed; "
-        known = FlownVehicle(flown.vehicle, f"{note}name it with --vehicle")
+        known = FlownVehicle(flown.vehicle, f"{note}name it with {VEHICLE_OPTION}")
     if known.note:
         print(f"policies: {known.note}", file=sys.stderr)
     return Circumstances(vehicle=known.vehicle, faults=flown_faults(bag) if flown is None else flown.faults)

@@ -98,7 +98,7 @@ def test_a_scenario_is_for_its_faults_and_its_vehicle_is_taken_for_a_bag_that_na
     assert not capsys.readouterr().err
     assert policies.main([str(silent), "--scenario", "table6"]) == 0
     expected = f"policies: {silent} does not name its vehicle: textbook_065 of the scenario is assumed; "
-    assert capsys.readouterr().err == f"{expected}name it with --vehicle\n"
+    assert capsys.readouterr().err == f"{expected}name it with --vehicle (in Python vehicle=)\n"
     assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyflie_2_0"]) == 2
     assert REFUSAL in capsys.readouterr().err
     assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyfly"]) == 2

@@ -1,5 +1,7 @@
 """Many swarms in one call move as each of them alone."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,14 @@ def test_impossible_batches_are_refused(swarms: int, vehicles: int, seeds: int, 
     setup = SwarmBatchSetup(CRAZYFLIE_2_0, np.zeros((swarms, vehicles, 4)), seeds=range(seeds))
     with pytest.raises(ValueError, match=f"{swarms} swarms of {vehicles} vehicles"):
         SwarmBatch(setup, threads)
+
+
+@pytest.mark.parametrize("shape", [(COUNT, 4), (SWARMS, COUNT, 3), (4,)])
+def test_a_start_of_another_shape_is_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(
+        ValueError, match=re.escape(f"start of shape {shape} is given; must be (swarms, vehicles")
+    ):
+        SwarmBatch(SwarmBatchSetup(CRAZYFLIE_2_0, np.ones(shape)))
 
 
 def test_commands_of_another_shape_are_refused() -> None:

@@ -31,7 +31,7 @@ from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, CommandStatus, Mask, Names
-from q2q_model.vehicle.constants import NEURAL_SWARM_MASS, Vehicle
+from q2q_model.vehicle.constants import NEURAL_SWARM_MASS, VEHICLE_OPTION, Vehicle
 
 LOG_MASS = NEURAL_SWARM_MASS
 """Mass m in the logs of the flights of Neural-Swarm2 [kg]."""
@@ -103,9 +103,9 @@ def check_thrust(commanded: CommandedThrust, vehicle: Vehicle) -> None:
         if not LIGHTEST <= share <= HEAVIEST:
             raise ValueError(
                 f"flight {commanded.flight}: the median thrust of {name} in the air is "
-                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; must be "
-                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with --vehicle and record commands in "
-                "newtons"
+                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; allowed is "
+                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with {VEHICLE_OPTION}, and record "
+                "commands in newtons"
             )
 
 
