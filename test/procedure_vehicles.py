@@ -110,7 +110,7 @@ def by_radio(
     room = ProcedureRoom(scenario or library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
     flown, names = Flown(room), room.scenario.names
 
-    def link(name: str, _: str, params: Mapping[str, float], __: str) -> Link:
+    def link(name: str, _: str, params: Mapping[str, float], __: str, **___: bool) -> Link:
         row = names.index(name)
         wire, firmware = room.wire(row), room.fleet.vehicles[row].firmware
         for parameter, value in params.items():

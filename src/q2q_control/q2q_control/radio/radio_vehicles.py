@@ -55,9 +55,9 @@ class RadioVehicles:
         of_files = {one.name: one.firmware_params for one in crazyflies}
         self.settings = settings_lines(self.firmware_params) + left_out_lines(of_files, self.firmware_params)
         """Lines for the log on these parameters."""
-        self.links = _open_links(crazyflies, self.firmware_params, params.toc_cache)
-        hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
         flight, landing = procedure
+        self.links = _open_links(crazyflies, self.firmware_params, params.toc_cache, dry_run=flight.dry_run)
+        hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
         self.pilot = RadioPilot(self.links, limits, hover, landing, flight.ground_height)
         self.executor = RadioExecutor(self.pilot, self.links, vehicle)
         self.ticks = FlownTicks(params.mode, health, aware=params.aware)
@@ -92,7 +92,7 @@ class RadioVehicles:
         return self.pilot.landing_left(now) + SETTLE_S if self.pilot.land(now) else 0.0
 
     def close(self) -> None:
-        """Close the links: cflib's last packet stops the motors."""
+        """Close the links: cflib's last packet stops the motors, except in a dry run."""
         for link in self.links.values():
             link.close()
 
@@ -106,13 +106,13 @@ class RadioVehicles:
 
 
 def _open_links(
-    crazyflies: Sequence[Crazyflie], firmware: Mapping[str, Mapping[str, float]], cache: str
+    crazyflies: Sequence[Crazyflie], firmware: Mapping[str, Mapping[str, float]], cache: str, *, dry_run: bool
 ) -> dict[str, CflibLink]:
     """Open all links, or none: if one is refused, those before it are closed."""
     links: dict[str, CflibLink] = {}
     with ExitStack() as opened:
         for one in crazyflies:
-            links[one.name] = CflibLink(one.name, one.uri, firmware[one.name], cache)
+            links[one.name] = CflibLink(one.name, one.uri, firmware[one.name], cache, dry_run=dry_run)
             opened.callback(links[one.name].close)
         opened.pop_all()
     return links

@@ -20,7 +20,8 @@ q2q_control.radio.pilot.vehicle_pilot lists all automatic actions.
 
 With `--dry-run` calls are checked and answered, but not executed: vehicles do not arm, take off, follow
 setpoints or land. Only `~/emergency`, `~/stop` and `all/emergency` are executed: they stop the motors. Poses
-and firmware parameters are sent.
+and firmware parameters are sent, except to a vehicle that is flying when it is connected: the log says so,
+and they are sent once it has landed.
 """
 
 from q2q_control.ros.radio_wiring import RadioNode

@@ -17,7 +17,7 @@ from q2q_model.diagnostics.health import Health
 def in_flight(
     monkeypatch: pytest.MonkeyPatch,
     ground_height: float = 0.0,
-    open_one: Callable[..., FakeLink] = lambda *_: FakeLink(),
+    open_one: Callable[..., FakeLink] = lambda *_, **__: FakeLink(),
 ) -> RadioVehicles:
     """Return vehicles that fly at z = 3 m and 6 m at t = 0 s."""
     monkeypatch.setattr(radio_vehicles, "CflibLink", open_one)
@@ -39,7 +39,7 @@ def test_links_that_were_opened_are_closed_where_a_later_one_is_refused(
 ) -> None:
     opened: list[FakeLink] = []
 
-    def open_one(name: str, *_: object) -> FakeLink:
+    def open_one(name: str, *_: object, **__: object) -> FakeLink:
         if name == NAMES[1]:
             raise ValueError("udp://127.0.0.1:2 is in use")
         opened.append(FakeLink())

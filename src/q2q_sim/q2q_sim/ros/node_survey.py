@@ -69,7 +69,7 @@ class _SilentLink:
 
     pose = None
 
-    def __init__(self, *_: object) -> None:
+    def __init__(self, *_: object, **__: object) -> None:
         """Take the arguments of CflibLink."""
 
     def health(self) -> LinkHealth:

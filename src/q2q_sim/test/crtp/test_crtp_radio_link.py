@@ -6,13 +6,14 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from time import monotonic
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+
+from link_waits import ANSWER_S, fly_until, until
 
 from cflib_fleet import CflibFleet
 from q2q_control.radio.link.cflib_link import CflibLink
@@ -26,12 +27,9 @@ from q2q_control.radio.link.firmware_params import (
 )
 from q2q_control.radio.link.firmware_settings import FirmwareSettings
 from q2q_control.radio.link.vehicle_link import LinkHealth
-from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 
-ANSWER_S = 600.0
-"""A link that has not connected by then does not [s]."""
 OWN_URI = f"radio://0/80/2M/{os.getpid():010X}"
 """A URI of no other test that runs on this machine."""
 TABLE = {
@@ -236,23 +234,3 @@ def kept_open(link: CflibLink) -> LinkHealth:
     """Return the health of a link after the node's periodic call."""
     link.keep_open()
     return link.health()
-
-
-def until(reached: Callable[[], bool]) -> None:
-    """Wait for an event in another thread."""
-    give_up = monotonic() + ANSWER_S
-    while not reached():
-        assert monotonic() < give_up, f"not within {ANSWER_S} s"
-        os.sched_yield()
-
-
-def fly_until(reached: Callable[[], bool], crazyflies: CflibFleet, endpoint: CrtpEndpoint) -> None:
-    """Run ticks, and keep every client known, as a radio's polling does."""
-    give_up = monotonic() + ANSWER_S
-    while not reached():
-        assert monotonic() < give_up, f"not within {ANSWER_S} s: {endpoint.traffic}"
-        for vehicle in crazyflies.fleet.vehicles:
-            for client in vehicle.clients:
-                vehicle.handle(ECHO_REQUEST, client)
-        endpoint.fly(crazyflies.drive)
-        os.sched_yield()

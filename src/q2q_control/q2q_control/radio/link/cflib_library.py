@@ -35,6 +35,14 @@ def new_crazyflie(cache: str) -> "Crazyflie":
     return made
 
 
+def hang_up(crazyflie: "Crazyflie") -> None:
+    """Close a link without cflib's last setpoint of zero thrust, with which a flying vehicle falls."""
+    link, crazyflie.link = crazyflie.link, None
+    if link is not None:
+        link.close()
+    crazyflie.close_link()
+
+
 def _no_thread() -> None:
     """Start no ping thread: CflibLink pings itself.
 

@@ -5,13 +5,13 @@ Packets are sent by the thread of a mailbox (q2q_control.radio.link.mailbox).
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
-from q2q_control.radio.link.cflib_library import new_crazyflie
+from q2q_control.radio.link.cflib_library import hang_up, new_crazyflie
 from q2q_control.radio.link.firmware_settings import FirmwareSettings
+from q2q_control.radio.link.logged_values import LoggedValues
 from q2q_control.radio.link.mailbox import Mailbox
 from q2q_control.radio.link.ping_share import PingShare
 from q2q_control.radio.link.setpoints import FullState, RpytSetpoint
@@ -32,33 +32,25 @@ PING_S = 0.1
 """Period of the pings of a link that counts them [s]."""
 AGAIN_S = 3.0
 """Time without a packet after which a link is reopened [s]."""
-
-
-@dataclass(slots=True)
-class _Known:
-    """Last values logged by a vehicle."""
-
-    volt: float = math.nan
-    info: int = 0
-    info_at: float = -math.inf
-    """Time of `info` [s]."""
-    quality: float = math.nan
-    pose: OnboardPose | None = None
-    received: float = -math.inf
-    """Time of the last packet [s]."""
-    not_logged: str = ""
-    """Why required values are not logged."""
-    console: list[str] = field(default_factory=list)
-    """Complete console lines."""
-    line: str = ""
-    """Incomplete console line."""
+FLOWN = "it is flying: land it with what flies it; a dry run sends no parameters or poses before it is down"
+"""What a dry run reports of a vehicle that flies when it is connected."""
 
 
 class CflibLink:
     """Link to one vehicle; it reconnects when it is lost."""
 
-    def __init__(self, name: str, uri: str, firmware_params: Mapping[str, float], cache: str = "") -> None:
-        """Open the link; `firmware_params` are set once connected, `cache` is a folder for the tables.
+    def __init__(
+        self,
+        name: str,
+        uri: str,
+        firmware_params: Mapping[str, float],
+        cache: str = "",
+        *,
+        dry_run: bool = False,
+    ) -> None:
+        """Open the link; `firmware_params` are set once connected, in a dry run once on the ground.
+
+        `cache` is a folder for the tables.
 
         Raises:
             ValueError: cflib is not installed, or another node of this machine has opened the URI.
@@ -66,11 +58,12 @@ class CflibLink:
         self._uri = uri
         self._crazyflie = new_crazyflie(cache)
         self._claim = claim(resolved_uri(uri))
-        self._known = _Known()
+        self._known = LoggedValues()
         self._pings = PingShare()
         self._counts_pings = uri.startswith("udp://")  # its driver reports no quality
         self._pinged_at = -math.inf
-        self._open = False
+        self._open = self._set_up = self._flown = False
+        self._dry_run = dry_run
         self._opened_at = -math.inf
         one = self._crazyflie
         self._sender = CflibSender(one.commander, one.high_level_commander, one.loc, one.supervisor)
@@ -111,7 +104,10 @@ class CflibLink:
     def close(self) -> None:
         """Close the link."""
         self._mailbox.close()
-        self._crazyflie.close_link()
+        if self._dry_run:
+            hang_up(self._crazyflie)
+        else:
+            self._crazyflie.close_link()
         self._claim.close()
 
     def health(self) -> LinkHealth:
@@ -126,7 +122,7 @@ class CflibLink:
             flying=bool(one.info & FLYING) if now - one.info_at < SILENT_S else None,
             onboard=None if one.pose is None else one.pose.pos,
             own_hover=self._settings.own_hover,
-            wrong=self._settings.refusal() or self._not_logged() or self._settings.difference(),
+            wrong=self._wrong(),
         )
 
     def send_rpyt(self, setpoint: RpytSetpoint) -> None:
@@ -141,8 +137,9 @@ class CflibLink:
         self._mailbox.put("setpoint", lambda: self._sender.send_full_state(full_state))
 
     def send_external_pose(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
-        """Send an external pose, or a position alone."""
-        self._mailbox.put("pose", lambda: self._sender.send_external_pose(pos, quat))
+        """Send an external pose, or a position alone, once the parameters are set."""
+        if self._set_up:
+            self._mailbox.put("pose", lambda: self._sender.send_external_pose(pos, quat))
 
     def arm(self) -> None:
         """Request arming."""
@@ -164,18 +161,24 @@ class CflibLink:
         """Cut the motors and lock them, before all that wait."""
         self._mailbox.put_first(self._sender.cut)
 
+    def _wrong(self) -> str:
+        flown = FLOWN if self._flown else ""
+        return flown or self._settings.refusal() or self._not_logged() or self._settings.difference()
+
     def _not_logged(self) -> str:
         if self._known.not_logged or self._known.pose is not None:
             return self._known.not_logged
         return "has not logged its own estimate yet"
 
     def _reopen(self) -> None:
-        self._crazyflie.close_link()
+        hang_up(self._crazyflie)
         self._crazyflie.open_link(self._uri)
 
     def _connected(self, _: str) -> None:
         self._known.not_logged = ""
-        self._settings.apply()
+        self._set_up, self._flown = not self._dry_run, False
+        if self._set_up:
+            self._settings.apply()
         self._log("health", HEALTH_MS, {"pm.vbat": "float", "supervisor.info": "uint16_t"}, self._on_health)
         places = {f"stateEstimate.{axis}": "float" for axis in ("x", "y", "z")}
         turns = {f"stateEstimate.{part}": "FP16" for part in ("qx", "qy", "qz", "qw")}
@@ -212,6 +215,17 @@ class CflibLink:
     def _on_health(self, data: Mapping[str, float]) -> None:
         self._known.volt, self._known.info = data["pm.vbat"], int(data["supervisor.info"])
         self._known.info_at = monotonic()
+        if self._dry_run and not self._set_up:
+            self._set_up_unless_flown()
+
+    def _set_up_unless_flown(self) -> None:
+        """Set the parameters in a dry run, unless another client flies the vehicle."""
+        before, self._flown = self._flown, bool(self._known.info & FLYING)
+        if not self._flown:
+            self._settings.apply()
+            self._set_up = True
+        elif not before:
+            self._known.console.append(FLOWN)
 
     def _on_pose(self, data: Mapping[str, float]) -> None:
         pos = (data["stateEstimate.x"], data["stateEstimate.y"], data["stateEstimate.z"])
