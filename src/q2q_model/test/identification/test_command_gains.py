@@ -55,6 +55,6 @@ def test_the_ground_and_holes_in_the_positions_do_not_move_the_gains() -> None:
 
 def test_a_flight_without_commands_is_refused_with_the_way_out() -> None:
     record = record_of(CALM)
-    missing = "0 rows with thrust commands in 1 flight, 200 needed, at references with rates"
+    missing = "0 rows with thrust commands in 1 flight, at references with rates; must be at least 200"
     with pytest.raises(ValueError, match=missing):  # two pieces of it between holes
         gains_from_commands([replace(record, commanded_acc=np.full_like(record.commanded_acc, np.nan))] * 2)

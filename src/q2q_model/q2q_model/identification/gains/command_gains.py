@@ -124,7 +124,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         flights = len({record.name for record in records})  # a record may be a piece of one
         raise ValueError(
             f"{counted(system.target.size, 'row')} with thrust commands in "
-            f"{counted(flights, 'flight')}, {FEWEST_ROWS} needed, at references with rates: "
+            f"{counted(flights, 'flight')}, at references with rates; must be at least {FEWEST_ROWS}: "
             "record the topics command and reference, or fit the gains to trajectories"
         )
     terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]

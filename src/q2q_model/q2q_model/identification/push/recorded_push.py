@@ -103,8 +103,8 @@ def check_thrust(commanded: CommandedThrust, vehicle: Vehicle) -> None:
         if not LIGHTEST <= share <= HEAVIEST:
             raise ValueError(
                 f"flight {commanded.flight}: the median thrust of {name} in the air is "
-                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; allowed is "
-                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with {VEHICLE_OPTION}, and record "
+                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; must be "
+                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with {VEHICLE_OPTION} and record "
                 "commands in newtons"
             )
 
