@@ -2,8 +2,8 @@
 
 The default gains are the paper's. Their altitude loop is soft and has no integral: a thrust error of 1 %
 gives a height error of 12 cm. Real vehicles, and simulated rooms with wind, battery voltage or unmodelled
-downwash, need other gains, such as those in `src/q2q_control/config`: `--ros-args --params-file
-src/q2q_control/config/pid_tuned.yaml`.
+downwash, need other gains, such as those in `src/q2q_control/config`:
+`--ros-args --params-file src/q2q_control/config/pid_tuned.yaml`.
 """
 
 from dataclasses import dataclass

@@ -51,7 +51,7 @@ class TrajectoryParams:
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
         -1.0,
-        "stamp at which the plan starts; ignored with wait; negative: stamp of the first tick",
+        "stamp at which the plan starts; refused with wait; negative: stamp of the first tick",
         unit="s",
         high=LAST_STAMP,
         read_only=True,
