@@ -84,8 +84,8 @@ class PredictionExchange:
         silent = self._mpc.silent_neighbours(self._state) if self._state is not None else ()
         names = listed(silent)
         report = (
-            f"{PREDICTIONS}: none of {names} for {SILENT} periods: ignored until one arrives, check "
-            "that its MPC runs"
+            f"{PREDICTIONS}: none of {names} for {SILENT} periods: their references are used "
+            "instead; check that their MPC runs"
         )
         if silent and silent != self._silent:
             self._node.get_logger().warning(report)

@@ -21,7 +21,7 @@ def even_times(t: Array, rate: float) -> Array:
     if (span := float(t[-1] - t[0])) * rate > MOST_SAMPLES:
         at = int(np.argmax(np.diff(t)))
         raise ValueError(
-            f"the stamps span {span:.6g} s, with a gap of {t[at + 1] - t[at]:.6g} s after {t[at]:.6g} s: "
+            f"the stamps span {span:.6g} s, with a gap of {t[at + 1] - t[at]:.6g} s after {t[at]:.6g} s; "
             f"must be at most {MOST_SAMPLES / rate:.6g} s: replay a part (replay_page --start, --end)"
         )
     count = int(span * rate + 1e-6) + 1  # the last stamp too, if rounded
