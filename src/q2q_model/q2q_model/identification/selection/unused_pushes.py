@@ -76,7 +76,7 @@ def _constant_note(data: Sequence[IdentificationData], loop: AltitudeLoop | None
         return ""
     return (
         f"; the constant of {', '.join(unknown)} is unknown without {LEAST:g} s of settled clear air, and an "
-        "offset counts as downwash: its strength may be any, do not compensate by the model"
+        "offset counts as downwash: its strength may be any, do not compensate with the model"
     )
 
 

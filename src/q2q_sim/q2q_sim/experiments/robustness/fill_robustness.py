@@ -72,8 +72,8 @@ def _present(given: Namespace) -> KeptNumbers:
     kept = read(given.json)
     if kept.draws != asked:
         raise ValueError(
-            f"{given.json} was made with --draws {kept.draws.each} --seed {kept.draws.seed}: give these, or "
-            "another file"
+            f"{given.json} was made with --draws {kept.draws.each} --seed {kept.draws.seed}: give these, "
+            "or another file"
         )
     return kept
 
