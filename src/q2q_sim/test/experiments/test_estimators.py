@@ -104,7 +104,7 @@ def test_cuts_take_what_they_say_and_begin_in_flight(motion: RecordedMotion) -> 
     assert shares["100 Hz"] == 1.0
     assert shares["10 Hz"] == pytest.approx(0.1, abs=0.01)
     assert shares["30 % lost"] == pytest.approx(0.7, abs=0.06)  # 3.7 standard deviations of 790 draws
-    assert shares["1 s missing"] == pytest.approx(0.75, abs=0.13)  # two whole periods of 4 s, less a part
+    assert shares["1 s away"] == pytest.approx(0.75, abs=0.13)  # two whole periods of 4 s, less a part
     assert all(given_samples(motion, name, 3)[:200].all() for name in CONDITIONS)
 
 
@@ -143,7 +143,7 @@ def test_poses_moved_on_by_their_delay_are_better_than_stock_and_nothing_diverge
     stock, fed = (summary([found["100 Hz", name]]).median for name in ("stock", "fed"))
     assert stock > 0.5 * speed * delay
     assert fed < 0.3 * stock
-    assert summary([found["1 s missing", "filter"]]).worst > 0.3  # it holds the position for 0.65 s
+    assert summary([found["1 s away", "filter"]]).worst > 0.3  # it holds the position for 0.65 s
     undegraded = np.count_nonzero(motion.flying & motion.seen)
     assert len(found["100 Hz", "filter"].errors) == undegraded
     assert len(found["10 Hz", "filter"].errors) == pytest.approx(0.9 * (undegraded - 100), abs=10)

@@ -5,7 +5,7 @@
 | 100 Hz | all |
 | 10 Hz | every tenth; which of ten is drawn |
 | 30 % lost | each with a probability of 0.7 |
-| 1 s missing | none for 1 s in every 4 s, from a drawn time on |
+| 1 s away | none for 1 s in every 4 s, from a drawn time on |
 
 Degradations begin SETTLED after take-off.
 """
@@ -47,7 +47,7 @@ def _away(ticks: int, draw: np.random.Generator) -> Mask:
     return np.asarray((np.arange(ticks) + draw.integers(period)) % period >= round(AWAY / DT))
 
 
-CONDITIONS: Mapping[str, Pattern] = {UNDEGRADED: _all, "10 Hz": _tenth, "30 % lost": _lost, "1 s missing": _away}
+CONDITIONS: Mapping[str, Pattern] = {UNDEGRADED: _all, "10 Hz": _tenth, "30 % lost": _lost, "1 s away": _away}
 """Condition -> given samples of a number of ticks."""
 
 
