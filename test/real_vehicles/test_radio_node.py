@@ -259,16 +259,16 @@ def test_parameters_of_the_node_are_checked() -> None:
     ]
     [line] = settings_lines({f"cf{k}": {"a.b": 1.0} for k in range(30)})
     assert line.endswith(", cf19, and 10 more: a.b=1")
-    with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
+    with pytest.raises(ValueError, match=r"'nonsense'; must be group\.name=value"):
         firmware_params(("nonsense",), "command")
 
 
 @pytest.mark.parametrize(
     ("entries", "mode", "said"),
     [
-        ((), "command", "is left out (2 of cf2, 6 of cf3): 1 is set, by the mode"),
-        ((), "setpoint", "is left out (1 of cf1): 2 is set"),  # 6 is the firmware app's
-        (("stabilizer.controller=5",), "command", "is left out (1 of cf1, 2 of cf2, 6 of cf3): 5 is set"),
+        ((), "command", "is ignored (2 of cf2, 6 of cf3): 1 is set, by the mode"),
+        ((), "setpoint", "is ignored (1 of cf1): 2 is set"),  # 6 is the firmware app's
+        (("stabilizer.controller=5",), "command", "is ignored (1 of cf1, 2 of cf2, 6 of cf3): 5 is set"),
     ],
 )
 def test_a_controller_of_the_file_that_is_not_set_is_logged(

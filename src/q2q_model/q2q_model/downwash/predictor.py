@@ -44,8 +44,7 @@ from q2q_model.downwash.source_strength import (
     strengths,
     thrust_ratio,
 )
-from q2q_model.downwash.state_history import StateHistory
-from q2q_model.downwash.state_rows import state_rows
+from q2q_model.downwash.state_history import StateHistory, state_rows
 from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.geometry.pair_reach import beyond_rows
 from q2q_model.signals.repeated_stamp import StampOrder, is_repeated

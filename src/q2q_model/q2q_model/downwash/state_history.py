@@ -1,4 +1,6 @@
-"""History of the swarm's states, for downwash with transport delay.
+"""Rows of a swarm's state, and their history, for downwash with transport delay.
+
+Compiled code checks no bounds, so the arrays of a state are checked when they become rows.
 
 Samples lie in an array at least twice as long as needed; at its end, the valid ones move to the front. They
 are thus contiguous and in order of time, and appending one takes amortised constant time.
@@ -7,7 +9,7 @@ are thus contiguous and in order of time, and appending one takes amortised cons
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Rows
+from q2q_model.signals.values import Array, Rows, SwarmState
 
 FIRST_CAPACITY = 64
 """Samples [-]: 0.6 s at 100 Hz; doubled when more are needed."""
@@ -89,3 +91,32 @@ def states_at(times: Array, states: Array, t: Array, vehicles: Rows) -> Array:
             one, other = states[before, vehicles[p], c], states[after, vehicles[p], c]
             found[p, c] = (1.0 - share) * one + share * other
     return found
+
+
+def state_rows(state: SwarmState) -> Array:
+    """Return position, velocity, quaternion and age of every vehicle, (n, 11).
+
+    Raises:
+        ValueError: an array does not have a row for each name.
+    """
+    count = len(state.names)
+    try:
+        columns = state.pos, state.vel, state.quat, state.age[:, None]
+        rows = np.concatenate(columns, axis=1, dtype=np.float64)
+        if rows.shape == (count, 11) and state.pos.shape == (count, 3) and state.status.shape == (count,):
+            return rows
+    except (AttributeError, TypeError, ValueError) as error:  # lists, or rows of different numbers
+        raise _misfit(state) from error
+    raise _misfit(state)
+
+
+def _misfit(state: SwarmState) -> ValueError:
+    """Return an error that names the first array of a wrong shape."""
+    count = len(state.names)
+    shapes = {"pos": (count, 3), "vel": (count, 3), "quat": (count, 4), "age": (count,), "status": (count,)}
+    for name, shape in shapes.items():
+        given = getattr(state, name)
+        if not isinstance(given, np.ndarray) or given.shape != shape:
+            what = f"of shape {given.shape}" if isinstance(given, np.ndarray) else f"a {type(given).__name__}"
+            return ValueError(f"{name} of a state of {count} names is {what}; must be an array {shape}")
+    return ValueError("the arrays of a state must be of real numbers")
