@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, replace
 from typing import Any, ClassVar, Protocol, TypeVar
 
-from q2q_model.nearest_name import name_hint
+from q2q_model.nearest_name import parameter_hint
 
 LARGEST_INTEGER = 2**63 - 1
 """Largest integer of a ROS parameter (rcl_interfaces/ParameterValue: int64)."""
@@ -95,7 +95,8 @@ def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
     known = [entry.name for entry in fields(params)]
     for key in overrides:
         if key not in known:
-            raise ValueError(f"{type(params).__name__} has no parameter {key!r}; {name_hint(key, known)}")
+            hint = parameter_hint(key, known)
+            raise ValueError(f"{type(params).__name__} has no parameter {key!r}; {hint}")
     return replace(params, **overrides)
 
 

@@ -66,7 +66,7 @@ def test_frames_that_the_map_lists_are_one(tmp_path: Path, in_bag: str, in_map: 
     listed = TopicMap(MAP.vehicles, references=MAP.references, frames=frames)
     assert read_mapped_flight(bag, listed).names == ("cf1", "cf2")
     bag = pose_bag(tmp_path, lambda topic, _: {"/a": "world", "/b": "mocap", "/r": "base_link"}[topic])
-    with pytest.raises(BagError, match="of 3 frames"):
+    with pytest.raises(BagError, match="in 3 frames"):
         read_mapped_flight(bag, listed)
 
 

@@ -103,7 +103,7 @@ def test_zero_distance_gives_a_finite_push():
 def test_a_parameter_out_of_bounds_is_refused_by_name():
     with pytest.raises(ValueError, match=r"Jet\.width = -0\.1"):
         Jet(width=-0.1)
-    with pytest.raises(ValueError, match=r"choose one of power, exponential"):
+    with pytest.raises(ValueError, match=r"must be one of power, exponential"):
         Jet(decay="linear")
     with pytest.raises(ValueError, match=r"EnvelopeNetwork\.eps = 0\.0"):
         EnvelopeNetwork(networks().lower, networks().upper, eps=0.0)

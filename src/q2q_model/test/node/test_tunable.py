@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
+from q2q_model.nearest_name import parameter_hint
 from q2q_model.tunable import OutOfBoundsError, check_bounds, tunable, with_overrides
 
 
@@ -53,3 +54,19 @@ def test_an_error_comes_whole_from_another_process() -> None:
         Demo(gain=3.0)
     copy = pickle.loads(pickle.dumps(raised.value))  # noqa: S301 - made on the line itself
     assert (copy.name, str(copy)) == ("gain", "Demo.gain = 3.0; must be in [0.0, 2.0] 1/s")
+
+
+@pytest.mark.parametrize(
+    ("given", "known", "hint"),
+    [
+        ("land_s", ["land_share", "land_after_s"], "it is now land_after_s"),
+        ("land_s", ["land_speed", "landing_duration_min"], "it is now landing_duration_min"),
+        ("mode", ["model", "axes"], "it is now axes"),
+        ("mode", ["model", "gain"], "did you mean model?"),
+    ],
+)
+def test_a_renamed_parameter_is_answered_with_its_present_name(
+    given: str, known: list[str], hint: str
+) -> None:
+    """The nearest ones by their letters bound other things: by 1 of land_share a vehicle would not land."""
+    assert parameter_hint(given, known) == hint

@@ -20,7 +20,7 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from q2q_model.nearest_name import name_hint
+from q2q_model.nearest_name import parameter_hint
 from q2q_model.tunable import LARGEST_INTEGER, ParamsClass, Tunable, tunable_of, with_overrides
 
 P = TypeVar("P", bound=ParamsClass)
@@ -69,7 +69,7 @@ def refuse_undeclared(nodes: Iterable[Node]) -> None:
         for pattern, needs in withheld:
             if fnmatchcase(name, pattern):
                 raise ValueError(f"parameter {name} needs {needs}")
-        raise ValueError(f"no parameter {name}; {name_hint(name, sorted(known))}")
+        raise ValueError(f"no parameter {name}; {parameter_hint(name, sorted(known))}")
 
 
 def name_undeclared(node: Node) -> None:
@@ -77,7 +77,7 @@ def name_undeclared(node: Node) -> None:
 
     def checked(asked: list[Parameter]) -> list[Parameter]:
         for name in (one.name for one in asked if not node.has_parameter(one.name)):
-            hint = name_hint(name, node.list_parameters([], 0).names)
+            hint = parameter_hint(name, node.list_parameters([], 0).names)
             raise ParameterNotDeclaredException(f"{name}; {hint}")
         return asked
 
