@@ -6,7 +6,7 @@ from q2q_model.tunable import check_bounds, tunable
 
 DRY_RUN = (
     "check and log calls without executing them: no arming, take-off, setpoint or landing; an emergency "
-    "stop is executed, and poses and firmware parameters are sent"
+    "stop is executed, and radio sends poses and firmware parameters to vehicles that do not fly"
 )
 """Description of the parameter and of `--dry-run`."""
 ROUNDING = 1e-9
