@@ -51,7 +51,7 @@ class _Document:
 
     description: object = ""
     duration: float | None = None
-    vehicle: Annotated[str, "the name of one type, which all vehicles have,"] = DEFAULT_VEHICLE
+    vehicle: Annotated[str, "the name of one type, that of all vehicles"] = DEFAULT_VEHICLE
     firmware: str = STOCK
     wake: str = "none"
     air: str = ""

@@ -45,6 +45,6 @@ def test_what_no_document_gives_has_none() -> None:
 def test_a_document_names_one_type_for_all_vehicles() -> None:
     types = {"cf1": "crazyflie_2_0", "cf2": "crazyflie_2_1"}
     with pytest.raises(
-        ValueError, match=r"^vehicle = .*: the name of one type, which all vehicles have, is expected$"
+        ValueError, match=r"^vehicle = .*; must be the name of one type, that of all vehicles$"
     ):
         scenario_from_document("mixed", {"vehicle": types, "vehicles": {}})
