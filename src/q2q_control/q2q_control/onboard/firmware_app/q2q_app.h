@@ -51,7 +51,8 @@ struct q2q_app {
   bool flying;    /* the rotors have carried the vehicle since thrust was commanded */
   uint8_t job;    /* of the next step */
   uint8_t source; /* its strength was renewed last */
-  uint32_t unheard; /* broadcasts that were not stored, as Q2Q_NEIGHBOURS others are nearer; wraps */
+  uint32_t unheard; /* broadcasts that were not stored, for Q2Q_NEIGHBOURS others; not counted
+                       while the own position is unknown; wraps */
 };
 
 /* What one step of the controller knows. */
@@ -75,8 +76,9 @@ void q2q_reset(struct q2q_app *app);
 float q2q_step(struct q2q_app *app, const struct q2q_input *input);
 
 /* Store the motion of neighbour `id` at a time; return false if it is refused: not later than the last one, not
-   finite, or all places are taken by nearer ones received from within Q2Q_STALE_S. A nearer one takes the place
-   of the farthest, by (dx^2 + dy^2) / reach_horizontal^2 + dz^2 / reach_vertical^2, plus 1 for one below. */
+   finite, or all places are taken by others received from within Q2Q_STALE_S. One that is clearly nearer takes the
+   place of the farthest, by (dx^2 + dy^2) / (2 width^2) + dz^2 / reach_vertical^2 with the jet's width at this dz,
+   plus 1 for one that is level or below. */
 bool q2q_hear(struct q2q_app *app, uint8_t id, uint32_t stamp_us, const struct q2q_motion *motion);
 
 /* Return the predicted downwash along z [m/s^2] `lead_s` after now_us; own is the motion at now_us. */

@@ -3,6 +3,8 @@
 
 #include "q2q_track.h"
 
+static const float CLEARLY = 0.8f; /* of the farthest neighbour's distance: what a nearer one must be below [-] */
+
 float q2q_seconds(uint32_t from_us, uint32_t to_us) { return (float)(int32_t)(to_us - from_us) * 1e-6f; }
 
 bool q2q_finite(const struct q2q_motion *motion) {
@@ -36,21 +38,22 @@ static bool near(const struct q2q_track *track, uint32_t stamp_us) {
   return track->count > 0 && fabsf(q2q_seconds(track->stamp_us[track->newest], stamp_us)) <= Q2Q_STALE_S;
 }
 
-/* Return how far a vehicle is: the square of its distance in reaches of the jet, plus 1 for one below, whose air
-   does not come up. */
+/* Return how far a vehicle is from where its air would push this one: squares of the horizontal distance in widths
+   of the jet and of the height in reaches, plus 1 for one level with it or below, whose air does not come up. */
 static float distance(const struct q2q_motion *own, const struct q2q_motion *other) {
   const float x = other->pos[0] - own->pos[0], y = other->pos[1] - own->pos[1], z = other->pos[2] - own->pos[2];
-  const float aside = (x * x + y * y) / (Q2Q_REACH_HORIZONTAL * Q2Q_REACH_HORIZONTAL);
-  return aside + z * z / (Q2Q_REACH_VERTICAL * Q2Q_REACH_VERTICAL) + (z < 0.0f ? 1.0f : 0.0f);
+  const float width = Q2Q_WIDTH + Q2Q_SPREAD * fabsf(z), aside = (x * x + y * y) / (2.0f * width * width);
+  return aside + z * z / (Q2Q_REACH_VERTICAL * Q2Q_REACH_VERTICAL) + (z < Q2Q_BLEND ? 1.0f : 0.0f);
 }
 
-/* Return the place of the farthest neighbour, which a nearer one takes; 0 if it is not nearer, or unknown. */
+/* Return the place of the farthest neighbour, which a nearer one takes; 0 if it is not clearly nearer, so that two
+   that are about as far do not alternate, or if the own position is unknown. */
 static int farthest(const struct q2q_app *app, const struct q2q_motion *nearer) {
   const struct q2q_track *own = &app->track[0];
   const struct q2q_motion *here = &own->sample[own->newest];
   if (own->count == 0) return 0;
   int place = 0;
-  float most = distance(here, nearer);
+  float most = distance(here, nearer) / CLEARLY;
   for (int k = 1; k < Q2Q_VEHICLES; ++k) {
     const float far = distance(here, &app->track[k].sample[app->track[k].newest]);
     if (far <= most) continue;
@@ -76,7 +79,7 @@ bool q2q_hear(struct q2q_app *app, uint8_t id, uint32_t stamp_us, const struct q
   const int place = place_for(app, id, stamp_us, motion);
   struct q2q_track *track = &app->track[place];
   if (place == 0) {
-    ++app->unheard;
+    if (app->track[0].count > 0) ++app->unheard;
     return false;
   }
   if (track->id != id || !near(track, stamp_us)) { /* another's, or silent for too long to be interpolated */
