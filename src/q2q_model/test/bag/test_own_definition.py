@@ -12,20 +12,62 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from q2q_model.bag import BagError, BagReader, TopicMap, read_flight, read_mapped_flight
 from q2q_model.bag.storage.definitions import definition_of
+from q2q_model.bag.storage.own_definition import check_fields
+from q2q_model.bag.storage.source import Channel
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import SwarmCommand
 
 KIND = "q2q_msgs/msg/SwarmCommand"
 OURS = definition_of(KIND)[0]
 SIGNAL = random_signal(SwarmCommand, 0, PAIR, np.random.default_rng(0))
-IDL = f"""{"=" * 80}
-IDL: {KIND}
-module q2q_msgs {{ module msg {{ struct SwarmCommand {{
-  std_msgs::msg::Header header;
-  sequence<string> names;
-  sequence<double> thrust, roll, pitch, yaw_rate;
-  sequence<uint8> status;
-}}; }}; }};
+MARK = "=" * 80 + "\n"
+IDL = rf"""{MARK}IDL: {KIND}
+// generated from rosidl_adapter/resource/msg.idl.em
+// with input from q2q_msgs/msg/SwarmCommand.msg
+// generated code does not contain a copyright notice
+
+#include "std_msgs/msg/Header.idl"
+
+module q2q_msgs {{
+  module msg {{
+    module SwarmCommand_Constants {{
+      @verbatim (language="comment", text=
+        "a limit is active")
+      const uint8 SATURATED = 1;
+    }};
+    struct SwarmCommand {{
+      @verbatim (language="comment", text=
+        "stamp: the tick; frame_id: \"world\", z up")
+      std_msgs::msg::Header header;
+
+      sequence<string> names;
+
+      @unit (value="N")
+      sequence<double> thrust;
+
+      sequence<double> roll, pitch, yaw_rate;
+
+      sequence<uint8> status;
+    }};
+  }};
+}};
+
+{MARK}IDL: std_msgs/msg/Header
+#include "builtin_interfaces/msg/Time.idl"
+
+module std_msgs {{
+  module msg {{
+    struct Header {{
+      builtin_interfaces::msg::Time stamp;
+
+      string frame_id;
+    }};
+  }};
+}};
+"""
+"""As rosidl writes it."""
+OTHER = f"""{MARK}IDL: std_msgs/msg/Other
+module std_msgs {{ module msg {{ struct Other {{ int32 x; }}; }}; }};
 """
 
 
@@ -42,6 +84,11 @@ def swapped(text: str) -> str:
 def narrowed(text: str) -> str:
     """Return a definition with thrust in single precision."""
     return text.replace("float64[] thrust", "float32[] thrust")
+
+
+def typed(_: str) -> str:
+    """Return an IDL definition with thrust in single precision."""
+    return IDL.replace("sequence<double> thrust", "sequence<float> thrust")
 
 
 def older(text: str) -> str:
@@ -69,6 +116,7 @@ def write(path: Path, text: str, storage: StoragePlugin) -> Path:
         (inserted, r"field 3 on, as float64\[\] battery, float64\[\] thrust, .*; must be float64\[\] thrust"),
         (swapped, r"field 3 on, as float64\[\] roll, float64\[\] thrust, .*; must be float64\[\] thrust, "),
         (narrowed, r"field 3 on, as float32\[\] thrust, .*; must be float64\[\] thrust, "),
+        (typed, r"field 3 on, as float32\[\] thrust, .*; must be float64\[\] thrust, "),
         (older, r"field 7 on, as empty; must be uint8\[\] status: read the bag with the version"),
     ],
 )
@@ -106,7 +154,20 @@ def test_a_bag_without_a_definition_is_read_by_that_of_q2q(tmp_path: Path) -> No
     assert [same_signal(found.signal, SIGNAL) for found in bag.signals()] == [True]
 
 
-def test_a_definition_that_is_none_is_named(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag", "float64[ thrust", StoragePlugin.MCAP)
-    with pytest.raises(BagError, match=f"the definition of {KIND} cannot be read"):
+def test_a_definition_that_cannot_be_read_counts_as_none(tmp_path: Path) -> None:
+    bag = BagReader(write(tmp_path / "bag", "float64[ thrust", StoragePlugin.MCAP))
+    assert [same_signal(found.signal, SIGNAL) for found in bag.signals()] == [True]
+
+
+def test_a_definition_of_another_type_is_named(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", OTHER, StoragePlugin.MCAP)
+    with pytest.raises(BagError, match=rf"definition of {KIND} there is of std_msgs/msg/Other; it must hold"):
         list(BagReader(bag).signals())
+
+
+def test_a_type_whose_name_lacks_its_kind_is_named() -> None:
+    channel = Channel("/command", "q2q_msgs/SwarmCommand", OURS, 1)
+    with pytest.raises(
+        BagError, match=r"topic /command: the definition of q2q_msgs/SwarmCommand there is of"
+    ):
+        check_fields(Path("bag"), channel)

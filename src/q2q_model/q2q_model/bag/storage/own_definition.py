@@ -4,6 +4,7 @@ Signals are decoded by a fixed layout (q2q_model.signals.cdr), and CDR carries n
 another definition would be decoded to wrong numbers. Fields appended by a later version are not read.
 """
 
+import re
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -16,14 +17,26 @@ from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import Channel
 
 IDL_MARK = "=" * 80 + "\n"
+INCLUDE = re.compile(r"^#include.*$", re.MULTILINE)
+"""Line of an IDL definition that names another; their text follows after further marks."""
 
 
 def check_fields(bag: Path, channel: Channel) -> None:
-    """Raise BagError if the bag defines a q2q_msgs type with other fields than this version of q2q."""
-    if not channel.definition or not channel.type_name.startswith(f"{PACKAGE}/"):
+    """Raise BagError if the bag defines a q2q_msgs type with other fields than this version of q2q.
+
+    A definition that cannot be read is none: the bag is read by this version's. One without the type is an
+    error.
+    """
+    if not channel.type_name.startswith(f"{PACKAGE}/"):
         return
-    expected = _installed_fields(channel.type_name)
-    given = _stored_fields(bag, channel.type_name, channel.definition)
+    if not (types := _readable_types(channel.type_name, channel.definition)):
+        return
+    if channel.type_name not in types:
+        raise BagError(
+            f"bag {bag}, topic {channel.topic}: the definition of {channel.type_name} there is of "
+            f"{', '.join(types)}; it must hold {channel.type_name}"
+        )
+    expected, given = _installed_fields(channel.type_name), _fields(types, channel.type_name)
     if given[: len(expected)] == expected:
         return
     same = next((k for k, (a, b) in enumerate(zip(given, expected, strict=False)) if a != b), len(given))
@@ -36,19 +49,21 @@ def check_fields(bag: Path, channel: Channel) -> None:
 
 def own_types(bag: Path, type_name: str, definition: str) -> Typesdict:
     """Return the types in a definition; raise BagError if it cannot be read."""
-    try:
-        if not definition.startswith(f"{IDL_MARK}IDL: "):
-            return get_types_from_msg(definition, type_name)
-        parts = [part.split("\n", 1)[1] for part in definition.split(IDL_MARK)[1:]]
-        return {name: one for part in parts for name, one in get_types_from_idl(part).items()}
-    except Exception as damage:
-        raise BagError(f"bag {bag}: the definition of {type_name} cannot be read") from damage
+    if not (types := _readable_types(type_name, definition)):
+        raise BagError(f"bag {bag}: the definition of {type_name} cannot be read")
+    return types
 
 
 @lru_cache(maxsize=64)
-def _stored_fields(bag: Path, type_name: str, definition: str) -> tuple[str, ...]:
-    """Return type and name of every field in a bag's definition."""
-    return _fields(own_types(bag, type_name, definition), type_name)
+def _readable_types(type_name: str, definition: str) -> Typesdict:
+    """Return the types in a definition; empty if there is none that can be read."""
+    try:
+        if not definition.startswith(f"{IDL_MARK}IDL: "):
+            return get_types_from_msg(definition, type_name) if definition else {}
+        parts = [part.split("\n", 1)[1] for part in INCLUDE.sub("", definition).split(IDL_MARK)[1:]]
+        return {name: one for part in parts for name, one in get_types_from_idl(part).items()}
+    except Exception:  # noqa: BLE001  whatever the grammar raises
+        return {}
 
 
 @cache
