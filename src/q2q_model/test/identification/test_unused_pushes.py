@@ -4,11 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_flights import LOOP, Pass, made_flight
+from made_flights import LOOP, PASSES, Pass, made_flight, record_of
 
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.identification.jet.jet_form import FREE_PARAMETERS
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import PushRecord, push_samples
+from q2q_model.identification.selection.identification_data import IdentificationData
+from q2q_model.identification.selection.unused_pushes import unused_push_notes
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -47,11 +51,25 @@ def test_vehicles_that_never_part_leave_the_strength_unknown() -> None:
     assert found.train.r2_of == "altitude deviation"
     (note,) = [one for one in found.remarks if "inferred" in one]
     assert note.startswith(
-        "gap 0.4, gap 0.5: downwash is inferred from altitudes: of cf1 fewer than 200 rows"
+        "gap 0.4, gap 0.5: downwash is inferred from altitudes: cf1 has fewer than 200 measured rows in clear"
     )
     assert "the constant of cf1 is unknown" in note
     assert not any("from imu and command" in one for one in found.remarks)
+    assert note.endswith("whose strength is unknown: do not use the model for compensation")
     assert strength_is_any(found)
+
+
+def test_only_the_vehicle_without_clear_air_is_named_where_another_of_its_flight_is_used() -> None:
+    """A third vehicle accompanies the upper one, 0.4 m below it."""
+    record = record_of(PASSES[0])
+    pos, still = (np.concatenate([one, one[:, 1:]], axis=1) for one in (record.pos, 0.0 * record.vel))
+    pos[:, 2, 2] -= 0.4
+    motion, none = Motion(record.t, pos, still, still + np.array([0.0, 0.0, 1.0])), np.zeros(pos.shape[:2])
+    push = PushRecord(record.name, ("cf1", "cf2", "cf3"), motion, none, none == 0.0, none > 0.0)
+    data = IdentificationData((record,), tuple(push_samples(push)))
+    assert 0 in [one.vehicle for one in data.pushes if one.exposed.any()]
+    (note,) = unused_push_notes([push], [data], None)
+    assert note.startswith("gap 0.4: the push on cf3 is not used: cf3 has fewer than 200 measured rows in")
 
 
 @pytest.mark.parametrize(

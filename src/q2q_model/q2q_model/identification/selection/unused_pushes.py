@@ -38,10 +38,12 @@ def unused_push_notes(
     flights: dict[str, list[str]] = {}
     for push, one in zip(pushes, data, strict=True):
         if any(map(has_exposure, one.records)) and (reason := _unused_reason(push, one)):
-            cost = _constant_note([one], loop) if inferred else ""
-            flights.setdefault(reason + cost, []).append(one.name)
-    done = "downwash is inferred from altitudes" if inferred else "the push is not used"
-    return [f"{', '.join(names)}: {done}: {text}" for text, names in flights.items()]
+            done, cost = "downwash is inferred from altitudes", _constant_note([one], loop)
+            if not inferred:
+                rare = ", ".join(_without_clear_air(push))
+                done, cost = f"the push{f' on {rare}' if rare else ''} is not used", ""
+            flights.setdefault(f"{done}: {reason}{cost}", []).append(one.name)
+    return [f"{', '.join(names)}: {text}" for text, names in flights.items()]
 
 
 def with_unknown_strength(
@@ -76,20 +78,25 @@ def _constant_note(data: Sequence[IdentificationData], loop: AltitudeLoop | None
         return ""
     return (
         f"; the constant of {', '.join(unknown)} is unknown without {LEAST:g} s of settled clear air, and an "
-        "offset counts as downwash: its strength may be any, do not compensate with the model"
+        "offset counts as downwash, whose strength is unknown: do not use the model for compensation"
     )
+
+
+def _without_clear_air(push: PushRecord | None) -> list[str]:
+    """Return the names of vehicles under others with too few rows in clear air: their push is not used."""
+    rows = [] if push is None else zip(push.names, scored_rows(push), strict=True)
+    return [name for name, own in rows if own.exposed.any() and own.free.sum() < FEWEST_FREE]
 
 
 def _unused_reason(push: PushRecord | None, one: IdentificationData) -> str:
     """Return why the push on vehicles of a flight is not used; empty if it is."""
     if push is None:
         return "no push was measured, record imu and command, or a log with faz_est, gap and pwm1-4"
-    rows = zip(push.names, scored_rows(push), strict=True)
-    rare = [name for name, own in rows if own.exposed.any() and own.free.sum() < FEWEST_FREE]
-    if rare:
+    if rare := _without_clear_air(push):
         return (
-            f"of {', '.join(rare)} fewer than {FEWEST_FREE} rows in clear air were measured, which show the "
-            f"constant of a push: above {FLOOR} m, no vehicle above or below within {APART} m horizontally"
+            f"{', '.join(rare)} {'has' if len(rare) == 1 else 'have'} fewer than {FEWEST_FREE} measured rows "
+            f"in clear air; they are needed for the constant of a push: above {FLOOR} m, no vehicle above or "
+            f"below within {APART} m horizontally"
         )
     if any(own.exposed.any() for own in one.pushes):
         return ""
