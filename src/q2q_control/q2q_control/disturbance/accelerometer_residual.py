@@ -25,7 +25,7 @@ class ExplainedTick(NamedTuple):
     quat: Array
     """(n, 4)"""
     acc: Array
-    """Vertical specific force by thrust and predicted downwash [m/s^2], (n,)."""
+    """Vertical specific force by thrust and predicted downwash [m/s^2], (n,); NaN: not to be measured."""
 
 
 class AccelerometerResidual:
@@ -49,7 +49,7 @@ class AccelerometerResidual:
     def sense(self, imu: SwarmImu) -> tuple[float, Array] | None:
         """Return time and y [m/s^2], (n,), of a sample; None before its tick, or without one.
 
-        y is NaN for a vehicle without accelerometer.
+        y is NaN for a vehicle without accelerometer, or not to be measured.
         """
         self._early = None if self._ticks.is_over(imu.t) else imu
         tick = self._ticks.at(imu.t)

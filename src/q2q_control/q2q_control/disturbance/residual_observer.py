@@ -15,8 +15,8 @@ with the downwash, so turbulence under a wake is followed at once and noise in c
 With y missing, the positions correct alone: an observer of disturbances with the poles that the process sets.
 A sample y of age s is one of exp(-s / T) w with the variance R + (1 - exp(-2 s / T)) sigma^2, so an older one
 weighs less. With both missing w^ fades within T, and the model and the offset remain. Thrust enters as
-commanded, limits included, so nothing winds up at a limit. On the ground, which carries the vehicle
-(q2q_model.downwash.correction.in_flight), w^ and b^ are 0.
+commanded, limits included, so nothing winds up at a limit. While thrust does not carry the vehicle
+(q2q_model.downwash.correction.in_flight), as on the ground, z and v are as measured, w^ fades and b^ stays.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -67,6 +67,8 @@ class ResidualRows(NamedTuple):
     """[m/s^2]"""
     fresh: Mask
     """Rows whose height was measured at this tick."""
+    carried: Mask
+    """Rows of vehicles that their rotors carry."""
 
 
 class ResidualObserver:
@@ -85,13 +87,13 @@ class ResidualObserver:
         self._sigma = np.zeros(0)
         self.estimate = ResidualEstimate(np.zeros((0, 4)), np.zeros((0, 4, 4)))
 
-    def update(self, measured: Measurement, eta: Array, flying: Mask) -> Array:
+    def update(self, measured: Measurement, eta: Array, carried: Mask) -> Array:
         """Return the state at the measurement's time, (n, 4).
 
         Args:
             measured: of every vehicle.
             eta: predicted downwash [m/s^2], (n,).
-            flying: vehicles that their rotors carry, (n,).
+            carried: vehicles that their rotors carry, (n,).
         """
         if measured.names != self._names:
             self._reorder(measured.names)
@@ -99,13 +101,12 @@ class ResidualObserver:
         if not 0.0 < step <= GAP_MAX:
             self._known[:] = False
             step = GAP_MAX  # of no consequence: no row is known
-        self._known &= flying
         self._sigma = self._process.std(eta)
         *motion, fresh = measured.rows
         height, climb, acc = (column[:, 2].copy() for column in motion)
-        rows = ResidualRows(height, climb, acc, self._sigma, fresh)
+        rows = ResidualRows(height, climb, acc, self._sigma, fresh, carried)
         predict_and_correct(self.estimate, self._known, rows, step, self._process.correlation(step))
-        self._known |= fresh & flying
+        self._known |= fresh
         return self.estimate.state.copy()
 
     def correct_by_accelerometer(self, t: float, push: Array) -> None:
@@ -147,16 +148,26 @@ def predict_and_correct(
             _start(x, P, rows, i)
             continue
         _propagate(x, P, F, rows.acc[i], rows.sigma[i])
-        if rows.fresh[i]:
+        if rows.fresh[i] and not rows.carried[i]:
+            _restart_motion(x, P, rows, i)
+        elif rows.fresh[i]:
             _correct(x, P, see, rows.height[i], HEIGHT_STD**2)
 
 
 @compiled
 def _start(x: Array, P: Array, rows: ResidualRows, i: int) -> None:
     """Write x (4,) and P (4, 4) of a vehicle that was not known: its measurement, no residual, no offset."""
-    x[0], x[1], x[2], x[3] = rows.height[i], rows.climb[i], 0.0, 0.0
-    P[:] = 0.0
-    P[0, 0], P[1, 1], P[2, 2], P[3, 3] = HEIGHT_STD**2, CLIMB_STD**2, rows.sigma[i] ** 2, OFFSET_STD**2
+    x[:], P[:] = 0.0, 0.0
+    P[2, 2], P[3, 3] = rows.sigma[i] ** 2, OFFSET_STD**2
+    _restart_motion(x, P, rows, i)
+
+
+@compiled
+def _restart_motion(x: Array, P: Array, rows: ResidualRows, i: int) -> None:
+    """Set height and climb rate of x (4,) and P (4, 4) to those measured; residual and offset are left."""
+    x[0], x[1] = rows.height[i], rows.climb[i]
+    P[:2], P[:, :2] = 0.0, 0.0
+    P[0, 0], P[1, 1] = HEIGHT_STD**2, CLIMB_STD**2
 
 
 @compiled

@@ -23,7 +23,7 @@ from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RES
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
 from q2q_model.compiled import compiled
-from q2q_model.downwash.correction.in_flight import InFlight
+from q2q_model.downwash.correction.in_flight import is_carried
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import (
     TRACKED,
@@ -90,8 +90,8 @@ class DisturbanceTracker:
         """Track vehicles like `vehicle`; `residual_process` is the residual that accelerometers measure."""
         self._residual_observer = None if residual_process is None else ResidualObserver(residual_process)
         self._accelerometers = AccelerometerResidual()
-        self._most, self._mass = params.disturbance_max, vehicle.mass
-        self._actuation, self._in_flight = Actuation(vehicle, params.latency), InFlight(vehicle)
+        self._most, self._vehicle = params.disturbance_max, vehicle
+        self._actuation = Actuation(vehicle, params.latency)
         self._observer = DisturbanceObserver(
             params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
@@ -101,7 +101,6 @@ class DisturbanceTracker:
     def reset(self) -> None:
         """Forget everything."""
         self._actuation.reset()
-        self._in_flight.reset()
         self._observer.reset()
         self._accelerometers.reset()
         if self._residual_observer is not None:
@@ -113,16 +112,17 @@ class DisturbanceTracker:
         self._actuation.advance(tick.t, tick.names)
         before = rows_by_name(self._eta, self._names, tick.names, tick.table[:, ETA])
         thrusts = self._actuation.thrust, self._actuation.mean_thrust
-        rows, acc, self._eta = measured_rows((tick.table, tick.usable), before, thrusts, self._mass)
+        rows, acc, self._eta = measured_rows((tick.table, tick.usable), before, thrusts, self._vehicle.mass)
         self._names = tick.names
         measured = Measurement(tick.t, tick.names, MeasuredRows(*rows))
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._residual_observer is not None:
             eta, quat = self._eta[:, 2], tick.table[:, QUAT].copy()
-            flying = self._in_flight.update(tick.names, self._actuation.thrust)
-            vertical = self._residual_observer.update(measured, eta, flying)
+            carried = is_carried(self._actuation.thrust, self._vehicle)
+            vertical = self._residual_observer.update(measured, eta, carried)
             estimate, residual = _with_vertical(estimate, vertical, self._most), vertical[:, RESIDUAL]
-            now = ExplainedTick(tick.t, tick.names, quat, acc[:, 2] + GRAVITY + eta)
+            explained = np.where(carried, acc[:, 2] + GRAVITY + eta, np.nan)
+            now = ExplainedTick(tick.t, tick.names, quat, explained)
             self._correct(self._accelerometers.explain(now))
         return Tracked(estimate, acc, self._actuation.pending(), residual)
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from q2q_control.onboard.app_memory import app_samples
 from q2q_model.downwash.correction.corrected_predictor import CLEAR, OFFSET_S
-from q2q_model.downwash.correction.in_flight import LIFTED_SHARE
 from q2q_model.downwash.correction.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.jet_kernel import STEEPEST
@@ -26,6 +25,8 @@ STALE_S = 0.25
 """Age at which a neighbour is forgotten [s]: 12 lost broadcasts in a row."""
 MEASURED_RATE = 100.0
 """Rate at which a residual process states its measurement noise [1/s]."""
+LIFTED_SHARE = 0.9
+"""Thrust over weight from which on a vehicle flies [-]: below, the ground carries it."""
 LARGEST_SHARE = 0.5
 """Largest correction over gravity [-]: what a faulty neighbour can ask for."""
 

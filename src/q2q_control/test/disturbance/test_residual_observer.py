@@ -25,8 +25,8 @@ from q2q_model.vehicle.constants import GRAVITY
 DT = 0.01
 """[s]"""
 NAME = ("cf1",)
-FLYING = np.ones(1, np.bool_)
-"""One vehicle, in the air."""
+CARRIED = np.ones(1, np.bool_)
+"""One vehicle, by its rotors."""
 NO_SLOPE = ResidualProcess(floor=0.5, slope=0.0)
 
 
@@ -42,7 +42,7 @@ def run(
     """Return the states of a vehicle at heights (k,), felt to be pushed by (k,) `age` ticks ago, (k, 4)."""
     states = np.empty((height.size, 4))
     for k, z in enumerate(height):
-        states[k] = observer.update(seen(k * DT, z), np.array([eta]), FLYING)[0]
+        states[k] = observer.update(seen(k * DT, z), np.array([eta]), CARRIED)[0]
         if push is not None and k >= age:
             observer.correct_by_accelerometer((k - age) * DT, push[[k - age]])
     return states
@@ -70,7 +70,7 @@ def test_a_step_of_the_push_is_followed_by_the_poles_of_the_riccati_equation() -
     height = np.where(k >= 2000, 0.5 * ((k - 2000) * DT) ** 2, 0.0)
     observer, x = ResidualObserver(NO_SLOPE), np.zeros(4)
     for i in k:
-        observer.update(seen(i * DT, height[i]), np.zeros(1), FLYING)
+        observer.update(seen(i * DT, height[i]), np.zeros(1), CARRIED)
         observer.correct_by_accelerometer(i * DT, push[[i]])
         ahead = F @ x
         x = ahead + gain @ (np.array([height[i], push[i]]) - H @ ahead)
@@ -125,11 +125,27 @@ def test_a_silent_vehicle_is_left_to_the_model_within_the_correlation_time() -> 
     run(observer, 0.5 * t**2, np.ones(100))
     before = observer.estimate.state[0].copy()
     for k in range(100, 140):
-        observer.update(seen(k * DT, np.nan, fresh=False), np.zeros(1), FLYING)
+        observer.update(seen(k * DT, np.nan, fresh=False), np.zeros(1), CARRIED)
     after = observer.estimate.state[0]
     assert after[RESIDUAL] == pytest.approx(before[RESIDUAL] * NO_SLOPE.correlation(0.4), rel=1e-9)
     assert after[OFFSET] == pytest.approx(before[OFFSET], rel=1e-12)
     assert np.isfinite(after[HEIGHT])
+
+
+@pytest.mark.parametrize("climb", [0.0, -0.3])
+def test_a_dip_of_the_thrust_is_a_pause_in_which_the_offset_stays(climb: float) -> None:
+    """Positions do not correct it either: on the ground they contradict the thrust."""
+    observer = ResidualObserver(NO_SLOPE)
+    run(observer, np.zeros(500), np.ones(500))
+    before = observer.estimate.state[0].copy()
+    for k in range(500, 530):
+        measured = seen(k * DT, climb * DT * (k - 499), acc=-GRAVITY)
+        measured.rows.vel[:, 2] = climb
+        observer.update(measured, np.zeros(1), ~CARRIED)
+    after = observer.estimate.state[0]
+    assert after[RESIDUAL] == pytest.approx(before[RESIDUAL] * NO_SLOPE.correlation(0.3), rel=1e-9)
+    assert after[OFFSET] == pytest.approx(before[OFFSET], rel=1e-12)
+    np.testing.assert_allclose(after[[HEIGHT, CLIMB]], [climb * 0.3, climb], atol=1e-12)
 
 
 def tick(t: float, tilt: float, acc: float) -> ExplainedTick:

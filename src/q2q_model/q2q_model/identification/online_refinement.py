@@ -8,7 +8,7 @@ Recursive least squares with exponential forgetting (time constant `memory`) is 
     g = (P + sum_i C_i[eta, y]) / (P + sum_i C_i[eta, eta]),   b_i = mean(y_i) - g mean(eta_i)
 
 C_i are centred sums of vehicle i; P is a prior for g = 1. g and b_i are bounded, so a failing sensor cannot
-invert the model. Of vehicles on the ground nothing is learned, and nothing forgotten.
+invert the model. Where nothing is measured, as on the ground, nothing is forgotten.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -111,7 +111,7 @@ class OnlineRefinement:
         eta = self._predictor.update(state).acc[:, 2]
         self._t = state.t
         good = np.isfinite(push)
-        self._sums[self._push.flying] *= np.exp(-dt / self.params.memory)
+        self._sums[good] *= np.exp(-dt / self.params.memory)
         y, e = push[good], eta[good]
         self._sums[good] += np.stack([np.ones_like(y), e, y, e * e, e * y], axis=1)
         return self._estimate()

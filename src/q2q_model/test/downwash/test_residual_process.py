@@ -272,7 +272,7 @@ def test_a_push_measured_after_time_went_back_is_that_of_settled_rotors(back: fl
 
     def pushes(times: tuple[float, ...]) -> Array:
         block, found = MeasuredPush(vehicle), np.zeros(2)
-        for t, share in zip(times, (1.5, 1.0, 1.0), strict=True):
+        for t, share in zip(times, (0.5, 1.0, 1.0), strict=True):
             state = resting_state(t, NAMES, still)
             thrust = np.full(2, share * vehicle.hover_thrust)
             command = level_command(t, NAMES, thrust)

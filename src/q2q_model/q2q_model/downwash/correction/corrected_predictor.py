@@ -20,7 +20,7 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 | one of a clock that was set back | all is forgotten |
 | measurements of other vehicles than the last time | what is known of each follows its name |
 | a vehicle without prediction (NO_MODEL) | the prediction unchanged |
-| a vehicle on the ground (in_flight) | the prediction unchanged; what is known of it is forgotten |
+| a vehicle that its rotors do not carry (in_flight) | as without a measurement of it |
 """
 
 from dataclasses import replace
@@ -122,13 +122,6 @@ class ResidualCorrector:
         self._variance[good] *= (1.0 - gain)[good]
         self._seen |= good
 
-    def forget(self, names: Names, rows: Mask) -> None:
-        """Forget all that is known of `rows` (n,) of vehicles."""
-        if names != self._names:
-            self._follow(names)
-        self._residual[rows] = self._offset[rows] = self._clear_s[rows] = 0.0
-        self._variance[rows], self._seen[rows] = self._process.floor**2, False
-
     def _propagate(self, eta: Array, good: Mask, dt: float) -> None:
         share, size = self._process.correlation(dt), self._process.std(np.where(good, eta, 0.0))
         self._residual *= share
@@ -171,4 +164,3 @@ class CorrectedPredictor:
     def sense(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
         """Take the measurements of a tick, after the prediction of that tick."""
         self._corrector.measure(state.t, state.names, self._push.update(state, command, imu))
-        self._corrector.forget(state.names, ~self._push.flying)

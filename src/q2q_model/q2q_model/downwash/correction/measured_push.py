@@ -2,7 +2,8 @@
 
     y_i = (R f_body)_z - lagged(U1) b_z / m
 
-of vehicles in flight (q2q_model.downwash.correction.in_flight): on the ground, y would be what it carries.
+while the rotors carry the vehicle (q2q_model.downwash.correction.in_flight): else, y would be what the ground
+carries.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -13,9 +14,9 @@ of vehicles in flight (q2q_model.downwash.correction.in_flight): on the ground, 
 
 import numpy as np
 
-from q2q_model.downwash.correction.in_flight import InFlight
+from q2q_model.downwash.correction.in_flight import is_carried
 from q2q_model.geometry.rotations import UP, rotate
-from q2q_model.signals.values import Array, Mask, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
+from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 
 LONGEST_STEP = 0.1
@@ -26,20 +27,17 @@ class MeasuredPush:
     """Measurement of pushes, with the thrust that the rotors give by now."""
 
     def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle, self._in_flight = vehicle, InFlight(vehicle)
+        self._vehicle = vehicle
         self.reset()
 
     def reset(self) -> None:
-        """Forget the thrust, and which vehicles fly."""
-        self._in_flight.reset()
-        self.flying: Mask = np.zeros(0, dtype=np.bool_)
-        """Vehicles that flew in the last tick, (n,), in its order."""
+        """Forget the thrust."""
         self._names: Names = ()
         self._thrust: Array = np.zeros(0)
         self._t = -np.inf
 
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> Array:
-        """Return y [m/s^2], (n,), as in `state`; NaN on the ground, or if a sensor or command is missing."""
+        """Return y [m/s^2], (n,), as in `state`; NaN where it cannot be measured."""
         passed, self._t = state.t - self._t, state.t
         dt = passed if 0.0 <= passed < LONGEST_STEP else LONGEST_STEP
         if state.names != self._names:
@@ -53,5 +51,5 @@ class MeasuredPush:
         felt = rows_by_name(imu.specific_force_body, imu.names, state.names, np.nan)
         force = rotate(state.quat, felt)[:, 2]
         body_z = rotate(state.quat, UP)[:, 2]
-        self.flying = self._in_flight.update(state.names, self._thrust)
-        return np.where(self.flying, force - self._thrust * body_z / self._vehicle.mass, np.nan)
+        carried = is_carried(self._thrust, self._vehicle)
+        return np.where(carried, force - self._thrust * body_z / self._vehicle.mass, np.nan)
