@@ -215,7 +215,7 @@ def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:
     lines = refusal("q2q_control", "pid", ["k_p_z:=-3.0"])
     assert "k_p_z" in lines
     assert "-3" in lines
-    assert "0.0 to 200.0" in lines
+    assert "[0.0, 200.0]" in lines
 
 
 def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
