@@ -44,8 +44,17 @@ def test_a_flight_whose_z_is_down_is_doubted_whatever_its_y_is(outliers: int) ->
     for aside in (-2.0, 0.0, 2.0):
         down = (circle(outliers) + np.array([0.0, aside, 0.0])) * np.array([1.0, -1.0, -1.0])
         below, above = (f"{share:.0%}" for share in (1.0 - outliers / 200, outliers / 200))
-        doubt = f"z is below -0.1 m in {below} of the positions and above 0.1 m in {above}: z may be down"
+        doubt = (
+            f"z is below -0.1 m in {below} of the positions and above 0.1 m in {above}: z may be down, but"
+        )
+        if aside < 0.0:
+            doubt = doubt.replace(", but", ", or y up, but")
         assert up_axis_reason(down).startswith(doubt)
+
+
+def test_a_flight_on_one_side_in_a_frame_whose_y_is_up_names_both_axes() -> None:
+    one_side = y_up(circle() + np.array([0.0, 1.5, 0.5]))
+    assert "100% of the positions and above 0.1 m in 0%: z may be down, or y up" in up_axis_reason(one_side)
 
 
 def test_an_origin_above_the_floor_and_unknown_positions_raise_no_doubt() -> None:

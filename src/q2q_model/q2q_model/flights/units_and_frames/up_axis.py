@@ -3,8 +3,8 @@
 Vehicles fly above a floor, and motion capture is calibrated on it: the height is the axis that is never far
 below zero. In 34 public flights and 6 bags z is below FLOOR in less than 1 % of the positions, the outliers;
 turned to a frame whose y is up, 36 of the 40 raise this doubt; those that move to one side only do not. With
-z down (north, east, down) all of them raise it. In a room whose origin is above its floor the doubt may be
-wrong, so no flight is refused for it.
+z down (north, east, down) all of them raise it; where y, too, is never below the floor, y may be up instead.
+In a room whose origin is above its floor the doubt may be wrong, so no flight is refused for it.
 """
 
 import numpy as np
@@ -28,7 +28,10 @@ def up_axis_reason(pos: Array) -> str:
         return ""
     share, doubt = f"and y in {y:.0%}", "y may be up"
     if above <= OUTLIERS:
-        share, doubt = f"and above {-FLOOR:g} m in {above:.0%}", "z may be down"
+        share, doubt = (
+            f"and above {-FLOOR:g} m in {above:.0%}",
+            "z may be down" if y > OUTLIERS else "z may be down, or y up",
+        )
     return (
         f"z is below {FLOOR:g} m in {z:.0%} of the positions {share}: {doubt}, but z must be up: a "
         "column map turns the axes of a table (bag_import --columns)"
