@@ -64,6 +64,8 @@ class OnlineEstimate:
     offset: Array
     information: float
     """Centred sum of eta^2 behind the gain [m^2/s^4], to compare with the prior."""
+    unbounded_gain: float
+    """Gain before it is bounded [-]."""
 
 
 class OnlineRefinement:
@@ -133,10 +135,10 @@ class OnlineRefinement:
         square = float((self._sums[:, ETA_ETA] - weight * e * e).sum())
         p = self.params
         known = p.prior + square > ROUNDING * float(self._sums[:, ETA_ETA].sum())
-        gain = (p.prior + cross) / (p.prior + square) if known else 1.0
-        gain = float(np.clip(gain, p.gain_min, p.gain_max))
+        unbounded = (p.prior + cross) / (p.prior + square) if known else 1.0
+        gain = float(np.clip(unbounded, p.gain_min, p.gain_max))
         offset = np.clip(y - gain * e, -p.offset_max, p.offset_max)
-        return OnlineEstimate(self._t, gain, self._names, offset, square)
+        return OnlineEstimate(self._t, gain, self._names, offset, square, unbounded)
 
 
 class PublishedGain:
@@ -162,7 +164,8 @@ class PublishedGain:
         return True
 
 
-def limit_reached(gain: float, params: OnlineRefinementParams) -> str:
-    """Return name and value of the limit at which a gain stands; empty if it stands at none."""
-    limits = {"gain_max": params.gain_max, "gain_min": params.gain_min}
-    return next((f"{name} = {limit:g}" for name, limit in limits.items() if gain == limit), "")
+def limit_reached(estimate: OnlineEstimate, params: OnlineRefinementParams) -> str:
+    """Return name and value of the limit that bounds a gain; empty if none does."""
+    if estimate.unbounded_gain > params.gain_max:
+        return f"gain_max = {params.gain_max:g}"
+    return f"gain_min = {params.gain_min:g}" if estimate.unbounded_gain < params.gain_min else ""

@@ -63,7 +63,7 @@ class OnlineIdentification:
         if self._published.update(estimate):
             self._publisher.publish(String(data=encode(self.refined)))
             self._node.get_logger().info(f"gain {estimate.gain:.3f} at t = {estimate.t:.1f} s")
-        if limit := limit_reached(estimate.gain, self._refinement.params):
+        if limit := limit_reached(estimate, self._refinement.params):
             self._node.get_logger().warning(
                 f"gain is held at its limit {limit}: the model, --vehicle or a sensor does not fit",
                 throttle_duration_sec=REFUSALS_S,

@@ -17,6 +17,7 @@ from q2q_model.identification.online_refinement import (
     OnlineRefinement,
     OnlineRefinementParams,
     PublishedGain,
+    limit_reached,
 )
 from q2q_model.identification.refined_model import scale_downwash
 from q2q_model.model_files.model_file import ModelFile, save
@@ -124,7 +125,7 @@ def test_a_late_tick_is_no_clock_that_was_set_back():
 def test_a_model_is_published_once_it_has_changed_and_at_once_after_the_clock_was_set_back():
     published = PublishedGain(OnlineRefinementParams(publish_every=1.0, change_min=0.01))
     due = [
-        published.update(OnlineEstimate(t, gain, ("a",), np.zeros(1), 1.0))
+        published.update(OnlineEstimate(t, gain, ("a",), np.zeros(1), 1.0, gain))
         for t, gain in (
             (0.0, 1.005),
             (0.1, 1.02),
@@ -190,7 +191,17 @@ def test_a_gain_at_the_bounds_of_models_leaves_one_that_can_be_saved(tmp_path: P
         strong = replace(imu, specific_force_body=500.0 * felt + [0.0, 0.0, GRAVITY])
         estimate = online.update(state, command, strong)
     assert 1.0 <= estimate.gain == online.params.gain_max <= 20.0 / 15.0
+    assert limit_reached(estimate, online.params) == f"gain_max = {online.params.gain_max:g}"
     save(tmp_path / "refined.q2q", ModelFile(online.refined()))
+
+
+def test_a_model_at_the_bound_of_its_file_is_at_no_limit_until_more_is_felt() -> None:
+    online = OnlineRefinement(replace(PAPER_LAW, strength=20.0), VEHICLE, EAGER)
+    estimate = online.update(*next(ticks(made_flight(FLOWN))))
+    assert estimate.gain == online.params.gain_max == 1.0
+    assert limit_reached(estimate, online.params) == ""
+    assert limit_reached(replace(estimate, unbounded_gain=1.01), online.params) == "gain_max = 1"
+    assert limit_reached(replace(estimate, unbounded_gain=0.49), online.params) == "gain_min = 0.5"
 
 
 def test_the_prior_holds_the_gain_until_there_is_evidence():
