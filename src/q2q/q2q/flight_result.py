@@ -121,9 +121,12 @@ def read_bag(path: Path | str, vehicle: str = "", *, topics: Path | str | None =
 
     Raises:
         BagError: the bag cannot be read.
-        ValueError: there is no such vehicle, the table cannot be read, or positions are not in metres.
+        ValueError: there is no such vehicle, the table cannot be read, or is given with a topic map, or
+            positions are not in metres.
     """
     given, flown = Path(path), flown_vehicle(Path(path), vehicle)
+    if given.suffix in TABLES and topics:
+        raise ValueError(f"topics applies to bags, but {given} is a table: leave out topics")
     if given.suffix in TABLES:
         return _read(recording_of_table(given).flight, flown)
     flight = with_filtered_states(flight_of_bag(given, topic_map(Path(topics) if topics else None)))

@@ -57,6 +57,8 @@ def test_tables_are_read_as_bags_are(tmp_path: Path) -> None:
     table, t = tmp_path / "hover.csv", 0.01 * np.arange(400)
     rows = np.column_stack([t, 0.0 * t, 0.0 * t, 1.0 + 0.1 * np.sin(t)])
     np.savetxt(table, rows, delimiter=",", header="t,x,y,z", comments="")
+    with pytest.raises(ValueError, match=r"topics applies to bags, but .*hover.csv is a table: leave out"):
+        q2q.read_bag(table, "crazyflie_2_1", topics=tmp_path / "room.yaml")
     flight = q2q.read_bag(table, "crazyflie_2_1")
     assert (flight.names, flight.vehicle.name) == (("cf1",), "crazyflie_2_1")
     np.testing.assert_array_equal(flight.arrays.mocap_pos[:, 0], rows[:, 1:])
