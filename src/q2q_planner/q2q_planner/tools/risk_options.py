@@ -52,7 +52,8 @@ def zone_by_risk(asked: Namespace) -> tuple[ConvexZone, str]:
 def residual_of(file: ModelFile) -> ResidualProcess:
     """Return the residual of a model: its own, or that of real flights.
 
-    A larger deviation that a jet without its own states, as one scaled to an airframe never flown, is kept.
+    A jet without its own keeps a larger `relative_std`, as one scaled to an airframe never flown has. Its
+    `std_floor` is not counted: that of the moving law, 0.40 m/s^2, is 0.28 m/s^2 here (docs/risk.md).
     """
     if file.residual is not None or not isinstance(file.interaction, Jet):
         return file.residual or REAL_FLIGHTS

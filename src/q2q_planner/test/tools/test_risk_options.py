@@ -1,4 +1,4 @@
-"""The residual of a plan with risk is at least the deviation that its model states."""
+"""The residual of a plan with risk grows with the push at least as its model states."""
 
 from dataclasses import replace
 
@@ -17,10 +17,11 @@ OWN = ResidualProcess(floor=0.2, slope=0.05)
 
 
 @pytest.mark.parametrize("hold", [2.1, 3.1, 5.5])
-def test_a_scaled_jet_is_as_uncertain_for_a_plan_as_its_file_says(hold: float) -> None:
+def test_the_growth_of_a_scaled_jets_deviation_counts_in_a_plan_and_its_floor_does_not(hold: float) -> None:
     """With the probability promised, push plus residual and the error of scaling stay below the hold."""
     jet = scaled_jet(MOVING_LAW, CRAZYFLIE, QuadrotorSize(0.067, 0.033))
     params = RiskParams(0.01, hold, RiskTube(0.1, 0.05, 0.005))
+    assert jet.std_floor > REAL_FLIGHTS.floor
     push = largest_push(params, residual_of(ModelFile(jet)))
     assert push < largest_push(params, REAL_FLIGHTS)
     error = REAL_FLIGHTS.floor + max(jet.relative_std, SCALING_STD) * push
