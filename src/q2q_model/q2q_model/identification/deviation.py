@@ -41,6 +41,8 @@ RATES = np.linspace(-2.0, 10.0, 601)
 """Grid of beta [1/m], much finer than any confidence interval."""
 FARTHEST = 10.0
 """d of a deviation that does not decay [m]: above the height of any flight room; d is unknown then."""
+ALIKE = 0.1
+"""Difference of the largest and the smallest gap below which they show no decay [m]: a vehicle's size."""
 _UNBOUNDED = np.array([[0.0, RATES[0], 0.0], [UNKNOWN, RATES[-1], FARTHEST]])
 """Ends of the intervals of alpha, beta and d that nothing is known of, (2, 3)."""
 
@@ -98,11 +100,14 @@ def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | Non
     return max(found, key=attrgetter("seconds"), default=None)
 
 
-def _overlaps(records: Sequence[AltitudeRecord], params: DeviationParams) -> tuple[Overlap, ...]:
+def overlaps_of(
+    records: Sequence[AltitudeRecord], params: DeviationParams | None = None
+) -> tuple[Overlap, ...]:
     """Return the overlap of each flight that has one, over all its records."""
+    given = params or DeviationParams()
     pieces: dict[str, list[Overlap]] = {}
     for record in records:
-        if (one := overlap_of(record, params)) is not None:
+        if (one := overlap_of(record, given)) is not None:
             pieces.setdefault(record.name, []).append(one)
     return tuple(_joined(one) for one in pieces.values())
 
@@ -120,7 +125,7 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
         ValueError: fewer than two flights have overlap, or dev does not fall to `allowed` with the gap.
     """
     given = params or DeviationParams()
-    overlaps = _overlaps(records, given)
+    overlaps = overlaps_of(records, given)
     if len(overlaps) < 2:
         raise ValueError(
             f"{len(overlaps)} of {len({one.name for one in records})} flights have vehicles within "
@@ -129,17 +134,22 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
     best = _decay(gaps, devs, given.allowed)
     if best[-1] >= FARTHEST:
-        flown = ", ".join(f"{dev:.3f} m at {gap:.2f} m" for gap, dev in sorted(zip(gaps, devs, strict=True)))
-        raise ValueError(
-            f"dev does not fall with the gap to {given.allowed} m within {FARTHEST:g} m ({flown}): fly "
-            "passes alike in speed and duration, at gaps further apart"
-        )
+        raise ValueError(_no_decay(gaps, devs, given.allowed))
     low, high = _bootstrap(gaps, devs, given) if gaps.size >= FEWEST_FLIGHTS else _UNBOUNDED
     alpha, beta, d = (
         Interval(float(v), float(min(a, v)), float(max(b, v)))
         for v, a, b in zip(best, low, high, strict=True)
     )
     return DecayFit(overlaps, alpha, beta, d, extrapolated=bool(d.value > gaps.max()))
+
+
+def _no_decay(gaps: Array, devs: Array, allowed: float) -> str:
+    """Return why flights show no d: their gaps are alike, or dev does not fall with them."""
+    reason = f"dev does not fall with the gap to {allowed} m within {FARTHEST:g} m"
+    if np.ptp(gaps) < ALIKE:
+        reason = "the gaps flown are too alike to show how dev falls with the gap"
+    flown = ", ".join(f"{dev:.3f} m at {gap:.2f} m" for gap, dev in sorted(zip(gaps, devs, strict=True)))
+    return f"{reason} ({flown}): fly passes alike in speed and duration, at gaps further apart"
 
 
 def _bootstrap(gaps: Array, devs: Array, params: DeviationParams) -> Array:

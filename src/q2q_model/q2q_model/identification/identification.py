@@ -12,7 +12,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.flights.duplicates.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.identification.deviation import DecayFit, fit_decay
+from q2q_model.identification.deviation import DecayFit, Overlap, fit_decay, overlaps_of
 from q2q_model.identification.gain_notes import unstable_reason
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
@@ -66,6 +66,8 @@ class Identification:
     data: tuple[IdentificationData, ...]
     gains: GainFit
     decay: DecayFit | None
+    overlaps: tuple[Overlap, ...]
+    """Deviation of each flight with overlap, also where it shows no decay."""
     trials: tuple[Trial, ...]
     chosen: Candidate
     train: Score
@@ -134,6 +136,7 @@ def _identified(
         data=data,
         gains=gains,
         decay=decay,
+        overlaps=overlaps_of(found.records),
         trials=tuple(trials),
         chosen=best.candidate,
         train=train,

@@ -108,7 +108,7 @@ def _zone(found: Identification) -> dict[str, object]:
         "alpha_m": decay.alpha.as_list() if decay else None,
         "beta_per_m": decay.beta.as_list() if decay else None,
         "extrapolated": decay.extrapolated if decay else None,
-        "dev": [asdict(overlap) for overlap in decay.overlaps] if decay else [],
+        "dev": [asdict(overlap) for overlap in found.overlaps],
         "learned": {"threshold_mps2": learned.threshold, "eps_m": learned.eps, "d_m": learned.d}
         if learned
         else None,

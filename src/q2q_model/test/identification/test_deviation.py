@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_flights import PASSES, record_of
+from made_flights import PASSES, Pass, made_flight, record_of
 
-from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
+from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of, overlaps_of
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.recordings.flight_recording import Recording
+from q2q_model.tools.identify_report import report
 
 
 def test_dev_is_the_mean_of_both_deviations_while_above_each_other() -> None:
@@ -69,6 +72,23 @@ def test_a_deviation_that_does_not_decay_shows_no_d(devs: tuple[float, ...]) -> 
     """By the curve through the first, alpha is 6 mm: within 2 cm at a gap of 0, where nobody flew."""
     with pytest.raises(ValueError, match=r"does not fall with the gap to 0.02 m within 10 m \(0.0\d0 m at"):
         fit_decay([shifted(gap, dev) for gap, dev in zip((0.3, 0.6, 0.9), devs, strict=True)])
+
+
+def test_flights_at_nearly_one_gap_are_said_to_be_so_and_keep_their_deviations() -> None:
+    flights = [shifted(gap, dev) for gap, dev in ((0.31, 0.05), (0.32, 0.1))]
+    with pytest.raises(ValueError, match=r"gaps flown are too alike .* \(0.050 m at 0.31 m, 0.100 m at 0.32"):
+        fit_decay(flights)
+    assert [one.dev for one in overlaps_of(flights)] == pytest.approx([0.05, 0.1])
+
+
+def test_a_report_has_the_deviation_of_each_flight_also_without_a_decay() -> None:
+    flight = made_flight(Pass(gap=0.4, speed=0.3, seconds=24.0, noise=1e-4))
+    twice = [Recording(replace(flight, name=name)) for name in ("first", "second")]
+    found = identify(twice, ProcedureParams(model_type="jet"), lambda _: None)
+    zone = report(found, {})["zone"]
+    assert isinstance(zone, dict)
+    assert (found.decay, zone["d_m"]) == (None, None)
+    assert [one["flight"] for one in zone["dev"]] == ["first", "second"]
 
 
 def test_a_deviation_that_grows_but_is_allowed_at_every_gap_flown_needs_no_zone() -> None:

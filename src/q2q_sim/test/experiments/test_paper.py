@@ -87,6 +87,22 @@ def test_adams_first_step_is_its_rate():
     assert seconds > 0.0
 
 
+def test_fig_4_draws_the_flights_alone_where_they_show_no_decay(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    drawn: list[Line] = []
+
+    def noted(path: Path, _: str, __: tuple[str, str], lines: list[Line]) -> str:
+        drawn.extend(lines)
+        return path.name
+
+    monkeypatch.setattr(learning_tables, "plot_panel", noted)
+    decay = learning_tables.known_decay([])
+    learning_tables.decay_picture(tmp_path, [], decay)
+    assert decay is None
+    assert [(line.label, line.x.shape, line.y.shape) for line in drawn] == [("flights", (0,), (0,))]
+
+
 def test_fig_15_draws_the_mpc_and_the_pd(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     labels: list[list[str]] = []
 

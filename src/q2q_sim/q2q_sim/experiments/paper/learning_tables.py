@@ -15,7 +15,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import downwash_at_rest
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.identification.deviation import DecayFit, fit_decay
+from q2q_model.identification.deviation import DecayFit, fit_decay, overlaps_of
 from q2q_model.identification.gains.altitude_from_flight import altitude_record
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import gains_from_commands
@@ -84,7 +84,7 @@ def learning(folder: Path) -> ExperimentOutcome:
     records = [altitude_record(flight, CRAZYFLIE_2_0) for flight in flights]
     by_paper = gains_from_trajectories(records)
     loop = gains_from_commands(records).loop
-    decay = fit_decay(records)
+    decay = known_decay(records)
     terms = [flight_terms(one, loop, (WIDE * ZONE.eps, WIDE * ZONE.d)) for one in records]
     model = fit_networks(terms)
     mse = np.mean(trajectory_loss(model, terms).mse, axis=0)  # all flights are of two
@@ -96,8 +96,8 @@ def learning(folder: Path) -> ExperimentOutcome:
         "table3.ftol": TOLERANCE,
         "table4.step_size": step_size,
         "table4.seconds_per_iteration": seconds,
-        "fig4.d": decay.d.value,
-        "fig4.beta": decay.beta.value,
+        "fig4.d": decay.d.value if decay else np.nan,
+        "fig4.beta": decay.beta.value if decay else np.nan,
         "fig5.k_p": by_paper.loop.k_p,
         "fig5.k_d": by_paper.loop.k_d,
         "fig5.k_p_from_commands": loop.k_p,
@@ -110,7 +110,7 @@ def learning(folder: Path) -> ExperimentOutcome:
         "fig9.peak_eta_2": float(np.abs(eta[:, 1]).max()),
     }
     return ExperimentOutcome(
-        found, (_decay_picture(folder, decay), *_learned_pictures(folder, records[SHOWN], loop, eta))
+        found, (decay_picture(folder, records, decay), *_learned_pictures(folder, records[SHOWN], loop, eta))
     )
 
 
@@ -134,14 +134,23 @@ def _flown(flights: Sequence[Flight]) -> dict[str, float]:
     return found
 
 
-def _decay_picture(folder: Path, decay: DecayFit) -> FigurePicture:
-    gaps = np.array([one.gap for one in decay.overlaps])
-    devs = np.array([one.dev for one in decay.overlaps])
-    along = np.linspace(0.0, 1.5, 100)
-    lines = [
-        Line("flights", gaps, devs, "o", palette.MEASURED),
-        Line("fit", along, decay.alpha.value * np.exp(-decay.beta.value * along), colour=palette.MODEL),
-    ]
+def known_decay(records: Sequence[AltitudeRecord]) -> DecayFit | None:
+    """Return the decay of dev; None where the flights show none."""
+    try:
+        return fit_decay(records)
+    except ValueError:
+        return None
+
+
+def decay_picture(folder: Path, records: Sequence[AltitudeRecord], decay: DecayFit | None) -> FigurePicture:
+    """Draw the deviations of flights (Fig 4), and their decay if they show one."""
+    flown = overlaps_of(records)
+    gaps, devs = np.array([(one.gap, one.dev) for one in flown]).reshape(-1, 2).T
+    lines = [Line("flights", gaps, devs, "o", palette.MEASURED)]
+    if decay is not None:
+        along = np.linspace(0.0, 1.5, 100)
+        fit = decay.alpha.value * np.exp(-decay.beta.value * along)
+        lines.append(Line("fit", along, fit, colour=palette.MODEL))
     title = "fig4: dev against the height difference"
     return FigurePicture("fig4", plot_panel(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
 
