@@ -52,6 +52,13 @@ def test_a_bag_of_other_topics_is_read_by_a_topic_map_and_can_be_drawn(tmp_path:
     assert flight.plot("altitude").axes
 
 
+def test_a_bag_without_topics_is_said_to_have_none(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "empty", facts=FlightFacts(vehicle="crazyflie_2_0")):
+        pass
+    with pytest.raises(BagError, match=r"has no message on mocap; it has none$"):
+        q2q.read_bag(tmp_path / "empty")
+
+
 def test_tables_are_read_as_bags_are(tmp_path: Path) -> None:
     """The identification gets as far as in a bag without references."""
     table, t = tmp_path / "hover.csv", 0.01 * np.arange(400)

@@ -43,7 +43,9 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
 
 def _foreign(bag: BagReader) -> str:
     """Return the topics of a bag that has none of q2q, and what reads them."""
-    topics = ", ".join(first_of(sorted(bag.topics), MOST_TOPICS)) or "none"
+    if not bag.topics:
+        return "none"
+    topics = ", ".join(first_of(sorted(bag.topics), MOST_TOPICS))
     return f"{topics}, which a topic map assigns to vehicles (--topics; in Python topics=)"
 
 
