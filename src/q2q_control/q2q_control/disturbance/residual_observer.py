@@ -16,7 +16,8 @@ With y missing, the positions correct alone: an observer of disturbances with th
 A sample y of age s is one of exp(-s / T) w with the variance R + (1 - exp(-2 s / T)) sigma^2, so an older one
 weighs less. With both missing w^ fades within T, and the model and the offset remain. Thrust enters as
 commanded, limits included, so nothing winds up at a limit. While thrust does not carry the vehicle
-(q2q_model.downwash.correction.in_flight), as on the ground, z and v are as measured, w^ fades and b^ stays.
+(q2q_model.downwash.correction.carried_by_rotors), as on the ground, z and v are as measured, w^ fades and
+b^ stays.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

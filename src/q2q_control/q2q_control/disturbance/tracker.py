@@ -23,7 +23,7 @@ from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RES
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
 from q2q_model.compiled import compiled
-from q2q_model.downwash.correction.in_flight import is_carried
+from q2q_model.downwash.correction.carried_by_rotors import is_carried
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import (
     TRACKED,

@@ -20,7 +20,7 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 | one of a clock that was set back | all is forgotten |
 | measurements of other vehicles than the last time | what is known of each follows its name |
 | a vehicle without prediction (NO_MODEL) | the prediction unchanged |
-| a vehicle that its rotors do not carry (in_flight) | as without a measurement of it |
+| a vehicle that its rotors do not carry (carried_by_rotors) | as without a measurement of it |
 """
 
 from dataclasses import replace

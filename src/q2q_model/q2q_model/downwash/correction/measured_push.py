@@ -2,8 +2,8 @@
 
     y_i = (R f_body)_z - lagged(U1) b_z / m
 
-while the rotors carry the vehicle (q2q_model.downwash.correction.in_flight): else, y would be what the ground
-carries.
+while the rotors carry the vehicle (q2q_model.downwash.correction.carried_by_rotors); otherwise y would be
+what the ground carries.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -14,7 +14,7 @@ carries.
 
 import numpy as np
 
-from q2q_model.downwash.correction.in_flight import is_carried
+from q2q_model.downwash.correction.carried_by_rotors import is_carried
 from q2q_model.geometry.rotations import UP, rotate
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from resting_signals import level_command, resting_state
 
+from q2q_model.downwash.correction.carried_by_rotors import CARRIED_SHARE, is_carried
 from q2q_model.downwash.correction.corrected_predictor import CorrectedPredictor
-from q2q_model.downwash.correction.in_flight import CARRIED_SHARE, is_carried
 from q2q_model.downwash.correction.measured_push import MeasuredPush
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import MEASURED_LAW
