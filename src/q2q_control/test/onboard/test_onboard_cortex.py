@@ -21,8 +21,10 @@ CLOCK_MHZ = 168.0
 CYCLES = 1.5
 """Assumed cycles per instruction: 1 for arithmetic, 2 for loads, 14 for divisions and roots, flash behind the
 accelerator. The emulator counts instructions only."""
-AIM_US = 70.0
-"""3.5 % of the 2 ms of a step; clang's code takes 54 us (docs/onboard.md)."""
+AIM_US = 50.0
+"""Largest in a column of 0.2 m [us]."""
+WORST_US = 70.0
+"""In any column, 3.5 % of the 2 ms of a step; clang's code takes 54 us (docs/onboard.md)."""
 needs_gcc = pytest.mark.skipif(shutil.which(GCC) is None, reason=f"no {GCC}: install gcc-arm-none-eabi")
 needs_qemu = pytest.mark.skipif(shutil.which(QEMU) is None, reason=f"no {QEMU}: install qemu-system-arm")
 
@@ -39,7 +41,7 @@ def section_sizes(folder: Path) -> dict[str, int]:
 
 
 def emulated(folder: Path) -> list[int]:
-    """Return mean and largest instructions of a step with five neighbours in columns, and without any."""
+    """Return mean and largest instructions of a step: in all columns of five, alone, in one of 0.2 m."""
     script = f"-T{HERE / 'memory.ld'}"
     sources = [*CORE, str(HERE / "count.c")]
     build = [GCC, *ARM, "-nostartfiles", script, "-I.", *sources, "-lm", "-lc", "-lgcc", "-o", "count.elf"]
@@ -64,8 +66,9 @@ def test_the_core_takes_6_kilobytes_of_flash_and_no_memory_but_its_state(jet: Je
 @needs_gcc
 @needs_qemu
 @pytest.mark.parametrize("jet", [MEASURED_LAW, MOVING_LAW, STACKED])
-def test_a_step_with_five_neighbours_takes_less_than_70_microseconds(jet: Jet, tmp_path: Path) -> None:
+def test_a_step_with_five_neighbours_takes_less_than_50_microseconds(jet: Jet, tmp_path: Path) -> None:
     write_app(tmp_path, ModelFile(jet), CRAZYFLIE_2_0)
-    mean, largest, idle, _ = emulated(tmp_path)
+    mean, largest, idle, _, _, usual = emulated(tmp_path)
     assert idle < mean <= largest
-    assert largest * CYCLES / CLOCK_MHZ < AIM_US
+    assert usual * CYCLES / CLOCK_MHZ < AIM_US
+    assert largest * CYCLES / CLOCK_MHZ < WORST_US
