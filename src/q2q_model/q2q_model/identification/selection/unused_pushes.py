@@ -37,12 +37,14 @@ def unused_push_notes(
     inferred = not measures_downwash(data)
     flights: dict[str, list[str]] = {}
     for push, one in zip(pushes, data, strict=True):
-        if any(map(has_exposure, one.records)) and (reason := _unused_reason(push, one)):
-            done, cost = "downwash is inferred from altitudes", _constant_note([one], loop)
-            if not inferred:
-                rare = ", ".join(_without_clear_air(push))
-                done, cost = f"the push{f' on {rare}' if rare else ''} is not used", ""
-            flights.setdefault(f"{done}: {reason}{cost}", []).append(one.name)
+        rare = _without_clear_air(push)
+        if any(map(has_exposure, one.records)) and (reason := _unused_reason(push, rare, one)):
+            text = (
+                f"downwash is inferred from altitudes: {reason}{_constant_note([one], loop)}"
+                if inferred
+                else f"the push{' on ' * bool(rare)}{', '.join(rare)} is not used: {reason}"
+            )
+            flights.setdefault(text, []).append(one.name)
     return [f"{', '.join(names)}: {text}" for text, names in flights.items()]
 
 
@@ -88,11 +90,11 @@ def _without_clear_air(push: PushRecord | None) -> list[str]:
     return [name for name, own in rows if own.exposed.any() and own.free.sum() < FEWEST_FREE]
 
 
-def _unused_reason(push: PushRecord | None, one: IdentificationData) -> str:
+def _unused_reason(push: PushRecord | None, rare: Sequence[str], one: IdentificationData) -> str:
     """Return why the push on vehicles of a flight is not used; empty if it is."""
     if push is None:
         return "no push was measured, record imu and command, or a log with faz_est, gap and pwm1-4"
-    if rare := _without_clear_air(push):
+    if rare:
         return (
             f"{', '.join(rare)} {'has' if len(rare) == 1 else 'have'} fewer than {FEWEST_FREE} measured rows "
             f"in clear air; they are needed for the constant of a push: above {FLOOR} m, no vehicle above or "
