@@ -27,6 +27,7 @@ setup(
         "console_scripts": [
             "pid = q2q_control.commands.control_nodes:pid",
             "mpc = q2q_control.commands.control_nodes:mpc",
+            "own_controller = q2q_control.commands.control_nodes:own_controller",
             "crazyswarm = q2q_control.commands.control_nodes:crazyswarm",
             "radio = q2q_control.commands.control_nodes:radio",
             "call = q2q_control.commands.call:main",

@@ -77,6 +77,18 @@ def test_a_plan_file_flies_through_the_nodes_as_without_ros(tmp_path: Path) -> N
     assert read_facts(tmp_path / "bag").vehicle == "crazyflie_2_1"
 
 
+def test_a_controller_of_a_users_class_flies_as_without_ros(tmp_path: Path) -> None:
+    own = "q2q_control.own_controller.pd_example:PdExample"
+    request = FlightRequest(SCENARIO, controller=own, seed=3, stack=True)
+    through_nodes = fly_through_nodes(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    scenario = library.load(SCENARIO)
+    options = FlightOptions(controller=own, seed=3, model=find_model(scenario.model).interaction)
+    alone = fly_pure(scenario, options)
+    np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
+    assert np.abs(alone.thrust - pure(3).thrust).max() > 1e-3  # another law
+    assert read_facts(tmp_path / "bag").controller == own
+
+
 def arrays_of(flight: Flight) -> dict[str, np.ndarray]:
     return {
         entry.name: getattr(flight, entry.name)

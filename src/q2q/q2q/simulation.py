@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Literal
 
 from q2q.argument_checks import check_flags, check_whole_number
-from q2q.checked_controller import CheckedController
 from q2q.flight_result import FlightResult
 from q2q.identified_model import ModelChoice, flown_model
 from q2q.scenario_choice import AirName, ScenarioChoice, scenario
 from q2q_control.controller import Controller
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
+from q2q_control.own_controller.checked_controller import CheckedController
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import time_from_stamp
@@ -49,7 +49,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
 
     Args:
         chosen: scenario, or its name, file or document; see `q2q.scenario`.
-        controller: "pid", "mpc", or an object of your own (q2q.Controller), which is guarded like these.
+        controller: "pid", "mpc", or one of your own, which is guarded like these: an object (q2q.Controller),
+            or "module:Class", made with the scenario's vehicle.
         aware: whether the predicted downwash is compensated.
         limit: whether the scenario's thrust limit applies; without it, for aware flights, only the vehicle's.
         model: interaction model of predictor and controller: an object, or a name or file as for
@@ -71,7 +72,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     if not (aware or limit):
         raise ValueError("limit=False with aware=False: a controller that ignores keeps the thrust limit")
     check_whole_number("seed", seed, 0)
-    _check_controller(controller, correct=correct)
+    _check_controller(controller, correct=correct, limit=limit)
     flown = _in_air(scenario(chosen), air)
     for note in (*no_size_notes(flown.faults), *late_fault_notes(flown.faults, flown.duration)):
         warnings.warn(note, stacklevel=2)
@@ -126,7 +127,7 @@ def _name_of(controller: str | Controller) -> str:
     return controller if isinstance(controller, str) else "pid"
 
 
-def _check_controller(given: object, *, correct: bool) -> None:
+def _check_controller(given: object, *, correct: bool, limit: bool) -> None:
     """Raise TypeError for what is no controller, such as the class in place of an object of it."""
     if isinstance(given, str):
         return
@@ -134,6 +135,8 @@ def _check_controller(given: object, *, correct: bool) -> None:
         raise TypeError(f"no controller {given!r}: give pid, mpc, or an object like q2q.Controller")
     if correct:
         raise ValueError("correct=True is only for pid and mpc: your own controller must correct by itself")
+    if not limit:
+        raise ValueError("limit=False is only for pid and mpc: your own controller limits its thrust itself")
 
 
 def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks:

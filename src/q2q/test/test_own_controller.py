@@ -9,7 +9,8 @@ from hovering_stack import STACK
 from resting_signals import level_command, resting_state
 
 import q2q
-from q2q.checked_controller import CheckedController, ControllerOutputError
+from q2q_control.own_controller.checked_controller import CheckedController, ControllerOutputError
+from q2q_control.own_controller.pd_example import PdExample
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -147,6 +148,20 @@ def test_arithmetic_in_place_changes_nothing_but_the_command() -> None:
     np.testing.assert_array_equal(higher.ref_pos, plain.ref_pos)
     np.testing.assert_array_equal(higher.safe_pos, plain.safe_pos)
     assert (higher.true_pos[-1, :, 2] - plain.true_pos[-1, :, 2] > 1e-3).all()
+
+
+def test_a_class_by_name_flies_as_its_object() -> None:
+    named = q2q.fly(STACK, controller="q2q_control.own_controller.pd_example:PdExample")
+    given = q2q.fly(STACK, controller=PdExample(CRAZYFLIE_2_0))
+    np.testing.assert_array_equal(named.arrays.true_pos, given.arrays.true_pos)
+
+
+@pytest.mark.parametrize("controller", ["q2q_control.own_controller.pd_example:PdExample", Integrating()])
+def test_options_of_other_controllers_are_refused(controller: str | q2q.Controller) -> None:
+    with pytest.raises(ValueError, match="correct.* only for pid and mpc"):
+        q2q.fly(STACK, controller=controller, correct=True)
+    with pytest.raises(ValueError, match="limit.* only for pid and mpc"):
+        q2q.fly(STACK, controller=controller, limit=False)
 
 
 def test_a_controller_that_ignores_keeps_the_thrust_limit() -> None:

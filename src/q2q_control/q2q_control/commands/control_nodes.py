@@ -14,6 +14,11 @@ def mpc() -> None:
     start_node("q2q_control.ros.mpc_node")
 
 
+def own_controller() -> None:
+    """Run the node `own_controller`."""
+    start_node("q2q_control.ros.own_controller_node")
+
+
 def crazyswarm() -> None:
     """Run the node `crazyswarm`."""
     start_node("q2q_control.ros.crazyswarm_node", {"dry_run": DRY_RUN})

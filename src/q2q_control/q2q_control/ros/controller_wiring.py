@@ -1,4 +1,4 @@
-"""Wiring common to the nodes `pid` and `mpc`: parameters, inputs, guard, `command` and legacy topics out.
+"""Wiring common to `pid`, `mpc` and `own_controller`: parameters, inputs, guard, `command`, legacy topics.
 
 `<name>/cmd_vel_legacy` has the signs of Crazyswarm2's default server, cpp: linear.x is pitch, nose down, and
 linear.y roll, to the right [deg], angular.z yaw rate, to the right [deg/s], linear.z thrust [PWM]. For the
@@ -47,11 +47,6 @@ class ControllerNodeParams:
         (), "names of the vehicles to command; empty: all in the setpoints", read_only=True
     )
     aware: bool = tunable(default=True, description="compensate the predicted downwash", read_only=True)
-    correct: bool = tunable(
-        default=False,
-        description=("correct the predicted downwash by measured positions and accelerometers (topic imu)"),
-        read_only=True,
-    )
     live: bool = tunable(
         default=False,
         description="monitor the wall clock, and fall back if a tick does not arrive in time",
@@ -70,6 +65,17 @@ class ControllerNodeParams:
         """Check the bounds."""
         check_bounds(self)
         check_unique(self.vehicles)
+
+
+@dataclass(frozen=True, slots=True)
+class CorrectionNodeParams:
+    """Parameters of the nodes of controllers that can correct the predicted downwash."""
+
+    correct: bool = tunable(
+        default=False,
+        description="correct the predicted downwash by measured positions and accelerometers (topic imu)",
+        read_only=True,
+    )
 
 
 class LegacyTopics:

@@ -20,7 +20,7 @@ from q2q_control.mpc.neighbours.time_slots import RATE_HZ
 from q2q_control.mpc.problem.mpc_params import MpcParams
 from q2q_control.mpc.time_budget import TimeBudget
 from q2q_control.ros.accelerometers import receive_accelerometers
-from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
+from q2q_control.ros.controller_wiring import ControllerNodeParams, CorrectionNodeParams, wire_controller
 from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.model_files.find_model import find_model
@@ -85,17 +85,18 @@ class MpcNodeParams:
 def build(node: Node) -> TickWiring[SwarmCommand]:
     """Wire the MPC into a node; its parameters may change in flight."""
     own, mpc = declare(node, ControllerNodeParams()), declare(node, MpcNodeParams())
+    correct = declare(node, CorrectionNodeParams()).correct
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, MpcParams(), in_flight=True)
     budget = TimeBudget(mpc.budget_s if own.live else inf, monotonic)
     known = find_model(mpc.model)
-    residual_process = (known.residual or REAL_FLIGHTS) if own.correct else None
+    residual_process = (known.residual or REAL_FLIGHTS) if correct else None
     period = 1.0 / mpc.prediction_hz if mpc.distributed else 0.0
     setup = MpcSetup(own.vehicles, budget.in_time, residual_process=residual_process, exchange_period=period)
     block = Mpc(params, vehicle, known.interaction, setup)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
-    if own.correct:
+    if correct:
         receive_accelerometers(node, block.sense, wiring.health)
     exchange = PredictionExchange(node, block, own.vehicles, period) if mpc.distributed else None
 

@@ -16,7 +16,7 @@ from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
 from q2q_control.ros.accelerometers import receive_accelerometers
-from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
+from q2q_control.ros.controller_wiring import ControllerNodeParams, CorrectionNodeParams, wire_controller
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.model_files.find_model import find_model
 from q2q_model.ros.node.node_parameters import declare, on_change, withhold
@@ -46,7 +46,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     params = declare(node, PidParams(), in_flight=True)
     if own.live and (warning := soft_altitude(params)):
         node.get_logger().warning(warning)
-    choose = _correcting_pid if own.correct else _plain_pid
+    correct = declare(node, CorrectionNodeParams()).correct
+    choose = _correcting_pid if correct else _plain_pid
     block = choose(node, own, params, vehicle)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)

@@ -1,11 +1,11 @@
 """Names of air models, checked without the imports that these need."""
 
 import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.documents.shipped_folder import shipped_folder, shipped_or_given
+from q2q_model.own_class import is_own_class
 
 SUFFIX = ".air"
 LAWS = ("none", "paper", "measured")
@@ -19,25 +19,17 @@ RECORDED = "recorded"
 flights are named `recorded:PATH`."""
 FLIGHTS = Path("neural_swarm")
 """Folder of the room's flights within Q2Q_DATA."""
-OWN = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
-"""module:Class."""
 
 
 class AirError(ValueError):
     """Error for an air that does not exist, is not valid, or gives no valid push."""
 
 
-def error_line(error: BaseException) -> str:
-    """Return kind and first line of an error of a user's class; numba's have many lines."""
-    lines = str(error).strip().splitlines()
-    return ": ".join([type(error).__name__, *lines[:1]])
-
-
 def check_air(name: str) -> None:
     """Raise AirError if there is neither an air nor a file of this name; `module:Class` is not imported."""
     if is_recorded(name):
         recorded_paths(name)
-    elif name not in (*LAWS, *SYNTHETIC) and not OWN.fullmatch(name):
+    elif name not in (*LAWS, *SYNTHETIC) and not is_own_class(name):
         air_path(name)
 
 

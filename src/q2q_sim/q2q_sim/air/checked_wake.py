@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from q2q_model.own_class import error_line
 from q2q_model.signals.checked_array import checked_array
 from q2q_model.signals.values import Array
-from q2q_sim.air.air_names import AirError, error_line
+from q2q_sim.air.air_names import AirError
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 
 LARGEST_ACC = 1e3

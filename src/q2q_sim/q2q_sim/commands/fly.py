@@ -11,13 +11,22 @@ from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air, flight_path
 from q2q_sim.scenarios import scenario_files
-from q2q_sim.scenarios.choices import AIR_TERMS, CONTROLLERS, DISTRIBUTED_TOPIC, REPLANNERS, TOPICS, WAKES
+from q2q_sim.scenarios.choices import (
+    AIR_TERMS,
+    DISTRIBUTED_TOPIC,
+    REPLANNERS,
+    TOPICS,
+    WAKES,
+    check_controller,
+    check_own_choices,
+)
 
 EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
   scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
   scripts/fly plan.json --vehicle crazyflie_2_1 --wake measured --model measured_law
   scripts/fly table6_room --air room --model moving_law
+  scripts/fly table6_room --controller my_module:MyController
   scripts/fly --real dc19_swap_ss_02"""
 
 OF_A_REPLAY = ("--real", "--model", "--json")
@@ -64,6 +73,8 @@ def _check(args: Namespace) -> None:
 def _check_flight(args: Namespace) -> None:
     """Raise ValueError for a scenario that cannot be flown, or not with the controller's options."""
     scenario_files.check(args.scenario)
+    check_controller(args.controller)
+    check_own_choices(args.controller, correct=args.correct, limit=args.limit)
     if args.distributed and args.controller != "mpc":
         raise ValueError(f"--distributed with --controller {args.controller}: give --controller mpc")
     if DISTRIBUTED_TOPIC in args.record and not args.distributed:
@@ -103,7 +114,9 @@ def parser() -> CommandLine:
 
 
 def _add_blocks(made: CommandLine) -> None:
-    made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="controller")
+    made.add_argument(
+        "--controller", default="pid", help="controller: pid (default), mpc, or module:Class of your own"
+    )
     made.add_argument(
         "--distributed",
         action="store_true",

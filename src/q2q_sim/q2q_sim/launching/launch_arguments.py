@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from q2q_control.pid.gains_file import TUNED
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
-from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
+from q2q_sim.scenarios.choices import REPLANNERS
 
 YES, NO = "true", "false"
 
@@ -49,7 +49,7 @@ SCENARIO_ARGUMENTS = (
         "compensate the downwash (aware; aware_unlimited: without the thrust limit), or not (ignoring)",
         ("aware", "aware_unlimited", "ignoring"),
     ),
-    Argument("controller", "pid", "controller", CONTROLLERS),
+    Argument("controller", "pid", "controller: pid, mpc, or module:Class of your own"),
     Argument(
         "pace",
         "live",

@@ -14,6 +14,7 @@ from q2q_control.failsafe.guard import Guard
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.problem.mpc_params import MpcParams
+from q2q_control.own_controller.find_controller import find_controller
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
@@ -39,7 +40,7 @@ from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_planner.plan_playback.transit import TransitParams
 from q2q_sim.loop.flown_plan import plan_for
 from q2q_sim.scenarios.block_overrides import block_params
-from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
+from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS, check_controller, check_own_choices
 from q2q_sim.scenarios.scenario import Scenario
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
@@ -52,6 +53,7 @@ class BlockChoices:
 
     mode: str = "aware"
     controller: str = "pid"
+    """pid, mpc, or module:Class of the user's own."""
     replan: str = "none"
     correct: bool = False
     """Whether positions and accelerometers correct the predicted downwash."""
@@ -59,7 +61,8 @@ class BlockChoices:
     def __post_init__(self) -> None:
         """Check the values."""
         _check("mode", self.mode, MODES)
-        _check("controller", self.controller, CONTROLLERS)
+        check_controller(self.controller)
+        check_own_choices(self.controller, correct=self.correct, limit=self.limited)
         _check("replan", self.replan, REPLANNERS)
 
     @property
@@ -211,6 +214,8 @@ def _controller(
         setup = MpcSetup(preview=preview, residual_process=known.residual_process)
         mpc = Mpc(mpc_params(scenario, limited=choices.limited), scenario.vehicle, known.model, setup)
         return mpc, mpc.sense
+    if choices.controller not in CONTROLLERS:
+        return find_controller(choices.controller, scenario.vehicle), ignore_accelerometers
     params = pid_params(scenario, limited=choices.limited)
     if known.residual_process is None:
         return Pid(params, scenario.vehicle), ignore_accelerometers

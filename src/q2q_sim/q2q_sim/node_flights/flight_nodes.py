@@ -24,6 +24,7 @@ from q2q_sim.node_flights.scenario_node_parameters import (
 )
 from q2q_sim.processes.cores import allowed_cores
 from q2q_sim.processes.processes import NodeSpec
+from q2q_sim.scenarios.choices import CONTROLLERS, OWN_CONTROLLER
 from q2q_sim.scenarios.scenario import Scenario
 
 
@@ -86,8 +87,13 @@ def _chain(scenario: Scenario, request: FlightRequest, plan: Path) -> tuple[Node
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
         NodeSpec("q2q_planner", "replanner", replanner),
-        NodeSpec("q2q_control", request.controller, controller),
+        NodeSpec("q2q_control", controller_node(request.controller), controller),
     )
+
+
+def controller_node(controller: str) -> str:
+    """Return the executable that runs a controller."""
+    return controller if controller in CONTROLLERS else OWN_CONTROLLER
 
 
 def _simulator(request: FlightRequest) -> NodeSpec:

@@ -21,6 +21,7 @@ class FlightRequest:
     mode: str = "aware"
     """ignoring, aware (with the thrust limit) or aware_unlimited."""
     controller: str = "pid"
+    """pid, mpc, or module:Class of the user's own."""
     replan: str = "none"
     """none, paper or safe."""
     plan: str = "none"

@@ -14,6 +14,7 @@ from q2q_sim.loop.flight_blocks import (
     safe_replanner_params,
     tracker_params,
 )
+from q2q_sim.scenarios.choices import CONTROLLERS
 from q2q_sim.scenarios.scenario import Scenario
 
 NodeParameters = dict[str, ParameterValue]
@@ -34,10 +35,12 @@ def replanner_node_parameters(scenario: Scenario, options: BlockChoices) -> Node
 
 
 def controller_node_parameters(scenario: Scenario, options: BlockChoices) -> NodeParameters:
-    """Return the parameters of the node pid or mpc."""
+    """Return the parameters of the controller's node."""
     own: NodeParameters = {"vehicle": scenario.vehicle.name, "aware": options.aware}
     own |= {"firmware": firmware_of(scenario.vehicle) or STOCK, "vehicles": scenario.names}
     own |= {"correct": True} if options.correct else {}
+    if options.controller not in CONTROLLERS:
+        return own | {"controller": options.controller}
     if options.controller == "pid":
         known = {"model": scenario.model} | asdict(tracker_params(scenario)) if options.correct else {}
         return own | known | asdict(pid_params(scenario, limited=options.limited))

@@ -15,6 +15,7 @@ from q2q_sim.scenarios import library
 VEHICLE = "cf1"
 """Example vehicle in the names of topics."""
 SCENARIO = "table6"
+OWN_EXAMPLE = "q2q_control.own_controller.pd_example:PdExample"
 
 Configuration = dict[str, ParameterValue]
 
@@ -54,6 +55,10 @@ def _flying_configurations() -> dict[str, list[Configuration]]:
             {"aware": True, "live": True, "correct": False},
             {"aware": False, "live": True, "correct": False},
             {"aware": True, "live": True, "correct": True},
+        ],
+        "own_controller": [
+            {"controller": OWN_EXAMPLE, "aware": True},
+            {"controller": OWN_EXAMPLE, "aware": False},
         ],
         "mpc": [
             of_one | {"correct": False, "distributed": False},

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
-from q2q_control.ros import mpc_node, pid_node
+from q2q_control.ros import mpc_node, own_controller_node, pid_node
 from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.bus_node import BusNode
 from q2q_model.ros.node.node_parameters import declare
@@ -31,6 +31,7 @@ CONTROL_LOOP: Mapping[str, Callable[[Node], object]] = {
     "replanner": replanner_node.build,
     "pid": pid_node.build,
     "mpc": mpc_node.build,
+    "own_controller": own_controller_node.build,
 }
 BUILDERS: Mapping[str, Callable[[Node], object]] = {
     **CONTROL_LOOP,
@@ -46,6 +47,7 @@ WRITES: Mapping[str, Collection[str]] = {
     "replanner": ("reference_safe",),
     "pid": ("command",),
     "mpc": ("command",),
+    "own_controller": ("command",),
     "simulator": OUTPUTS,
     "bag_record": (),
 }
@@ -71,8 +73,11 @@ class StackParams:
             raise ValueError(f"parameter nodes: {asked}; choose some of {', '.join(BUILDERS)}")
         if len(set(self.nodes)) < len(self.nodes):
             raise ValueError(f"parameter nodes: {', '.join(self.nodes)}; give each node once")
-        if {"pid", "mpc"} <= set(self.nodes):
-            raise ValueError("parameter nodes: pid and mpc; choose one, as both write command")
+        controllers = [name for name in self.nodes if "command" in WRITES[name]]
+        if len(controllers) > 1:
+            raise ValueError(
+                f"parameter nodes: {' and '.join(controllers)}; choose one, as each writes command"
+            )
 
 
 def build() -> dict[Node, object]:

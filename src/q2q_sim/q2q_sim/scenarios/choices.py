@@ -1,9 +1,12 @@
 """Choices of the command lines, apart from the code behind them, which imports more."""
 
+from q2q_model.own_class import is_own_class
 from q2q_sim.air.air_names import LAWS
 
 CONTROLLERS = ("pid", "mpc")
 """Controllers (q2q_sim.loop.flight_blocks)."""
+OWN_CONTROLLER = "own_controller"
+"""Node that runs a user's controller."""
 REPLANNERS = ("none", "paper", "safe")
 """Online replanners (q2q_sim.loop.flight_blocks)."""
 WAKES = LAWS
@@ -39,3 +42,21 @@ ENGINES = ("local", "dask")
 """Engines that run a campaign in parallel (q2q_sim.processes.parallel_work)."""
 TABLE_ONLY = "--table-only"
 """Option of the ablation that only writes the table."""
+
+
+def check_controller(name: str) -> None:
+    """Raise ValueError for a name that is no controller; `module:Class` is not imported."""
+    if name not in CONTROLLERS and not is_own_class(name):
+        raise ValueError(
+            f"unknown controller {name!r}: choose one of {', '.join(CONTROLLERS)}, or give your own as "
+            "module:Class"
+        )
+
+
+def check_own_choices(controller: str, *, correct: bool, limit: bool) -> None:
+    """Raise ValueError for choices that a user's controller does not know."""
+    if controller in CONTROLLERS:
+        return
+    for given, what in ((correct, "correct"), (not limit, "no limit of thrust")):
+        if given:
+            raise ValueError(f"controller {controller} with {what}: only for {' and '.join(CONTROLLERS)}")

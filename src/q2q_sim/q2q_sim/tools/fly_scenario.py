@@ -12,6 +12,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.plain_console import plain_console
 from q2q_model.vehicle.constants import Vehicle, firmware_of
 from q2q_sim.faults.faults import late_fault_notes
+from q2q_sim.node_flights.controller_errors import controller_errors
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.node_flights.scenario_flight import MEASURED, fly_through_nodes
@@ -127,6 +128,6 @@ def fly_with_progress(
 
         run = fly_through_nodes(request, folder, bag, follow, print_wait)
         bar.update(task, completed=1.0)
-    for note in recorder_notes(folder):
+    for note in (*controller_errors(folder), *recorder_notes(folder)):
         print(note, file=sys.stderr)
     return run

@@ -33,7 +33,7 @@ def _having(granted: Enclaves, has: Callable[[AccessProfile], bool]) -> set[str]
 
 
 def test_only_controllers_may_write_commands(granted: Enclaves) -> None:
-    assert _having(granted, lambda one: "command" in one.publish) == {"pid", "mpc", "stack"}
+    assert _having(granted, lambda one: "command" in one.publish) == {"pid", "mpc", "own_controller", "stack"}
 
 
 def test_only_the_bridge_and_named_operators_may_call_an_emergency(granted: Enclaves) -> None:

@@ -12,7 +12,7 @@ from q2q_sim.ros.stack import StackParams
     [
         (("pid", "pid"), "give each node once"),
         (("bag_record", "mocap_filter", "bag_record"), "give each node once"),
-        (("pid", "mpc"), "choose one, as both write command"),
+        (("pid", "mpc"), "pid and mpc; choose one, as each writes command"),
         (("pidd",), "pidd; choose some of mocap_filter"),
         ((), "none; choose some of mocap_filter"),
     ],

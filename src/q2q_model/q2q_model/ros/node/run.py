@@ -39,6 +39,10 @@ ENDING = (signal.SIGINT, signal.SIGTERM)
 Kept = TypeVar("Kept")
 
 
+class NodeFailedError(RuntimeError):
+    """Error in a callback that ends the node, as in lockstep, where all others would wait for its output."""
+
+
 _FINISHED: WeakSet[Node] = WeakSet()
 
 
@@ -48,7 +52,9 @@ def run(
     end: Callable[[Kept], None] | None = None,
     land: Callable[[Kept], float] | None = None,
 ) -> None:
-    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on an invalid parameter or input file.
+    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on an error of the node.
+
+    Such errors are an invalid parameter or input file, and NodeFailedError.
 
     Args:
         name: name of the node.
@@ -89,7 +95,7 @@ def run_together(
             if end is not None:
                 for one in kept.values():
                     end(one)
-    except (ValueError, OSError, NameValidationException) as refusal:
+    except (ValueError, OSError, NameValidationException, NodeFailedError) as refusal:
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)  # it is ending; an interrupt must not replace the status
         print(f"{name}: {_in_one_line(refusal)}", file=sys.stderr)

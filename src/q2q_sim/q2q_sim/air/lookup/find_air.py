@@ -1,12 +1,9 @@
 """Lookup of the air of a flight: a shipped name, a `.air` file, or a class `module:Class`."""
 
-import sys
-from importlib import import_module
-from pathlib import Path
-
+from q2q_model.own_class import OwnClassError, error_line, is_own_class, own_class
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
-from q2q_sim.air.air_names import LAWS, OWN, SYNTHETIC, AirError, air_path, error_line, is_recorded
+from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, air_path, is_recorded
 from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.synthetic_airs import synthetic_air
@@ -29,7 +26,7 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
         from q2q_sim.air.learning.recorded_air import recorded_air
 
         return without_terms(recorded_air(name), off)
-    if name in LAWS or OWN.fullmatch(name):
+    if name in LAWS or is_own_class(name):
         if off:
             raise AirError(f"air {name} has no terms to switch off ({', '.join(off)})")
         return wake_by_name(name) if name in LAWS else _own(name)
@@ -37,27 +34,16 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
 
 
 def _own(name: str) -> Wake:
-    module, _, wanted = name.partition(":")
     try:
-        found = getattr(_imported(module), wanted, None)
-    except (Exception, SystemExit) as error:
-        raise AirError(f"air {name}: {module} cannot be imported ({error_line(error)})") from error
-    if not isinstance(found, type):
-        raise AirError(f"air {name}: {module} has no class {wanted}")
+        found = own_class(name)
+    except OwnClassError as error:
+        raise AirError(f"air {name}: {error}") from error
     try:
         made = found()
     except (Exception, SystemExit) as error:
-        raise AirError(f"air {name}: {wanted}() raised {error_line(error)}") from error
+        raise AirError(f"air {name}: {found.__name__}() raised {error_line(error)}") from error
     if not isinstance(made, Wake):
         raise AirError(f"air {name}: the class needs methods reset(setup) and push(now)")
     wake = CheckedWake(made)
     wake.reset(TRIAL)
     return wake
-
-
-def _imported(module: str) -> object:
-    """Return a module; the working directory is searched too."""
-    here = str(Path.cwd())
-    if here not in sys.path:
-        sys.path.append(here)
-    return import_module(module)

@@ -2,7 +2,8 @@
 
 from math import inf
 
-from q2q_sim.air.air_names import LAWS, OWN, ROOM, AirError, is_recorded
+from q2q_model.own_class import is_own_class
+from q2q_sim.air.air_names import LAWS, ROOM, AirError, is_recorded
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import MEASURED, MEASURED_SPEED, wake_by_name
@@ -17,7 +18,7 @@ def travel_speed(name: str) -> float:
     if air in LAWS:
         return MEASURED_SPEED if wake_by_name(air) == MEASURED else inf
     try:
-        found = None if not air or OWN.fullmatch(air) else find_air(ROOM if is_recorded(air) else air)
+        found = None if not air or is_own_class(air) else find_air(ROOM if is_recorded(air) else air)
     except (AirError, OSError):
         found = None
     jet = found.jet if isinstance(found, RoomAir) else None

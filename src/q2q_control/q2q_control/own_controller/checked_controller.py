@@ -7,10 +7,13 @@ are those of another unit: grams or m/s^2 for newtons, degrees for radians.
 from collections.abc import Callable, Mapping
 from functools import partial
 from math import pi
+from pathlib import Path
+from traceback import walk_tb
 
 import numpy as np
 
 from q2q_control.controller import Controller
+from q2q_model.own_class import error_line
 from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import (
@@ -37,11 +40,11 @@ LARGEST_YAW_RATE = 35.0
 
 
 class ControllerOutputError(ValueError):
-    """Error for a command of a controller that cannot be flown."""
+    """Error of a user's controller: its command cannot be flown, or its class raised an error."""
 
 
 class CheckedController:
-    """Controller that raises ControllerOutputError where its class returns what cannot be flown."""
+    """Controller that raises ControllerOutputError where its class fails or returns what cannot be flown."""
 
     def __init__(self, controller: Controller, vehicle: Vehicle) -> None:
         """Take a controller and the vehicle that it flies."""
@@ -56,14 +59,20 @@ class CheckedController:
 
     def reset(self) -> None:
         """Reset the controller."""
-        self._controller.reset()
+        try:
+            self._controller.reset()
+        except Exception as error:
+            raise self._failed("reset", error) from error
 
     def update(
-        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
     ) -> SwarmCommand:
         """Return the controller's command, in the order of the setpoint's vehicles."""
         felt = None if interference is None else own_copy(interference)
-        command = self._controller.update(own_copy(state), own_copy(setpoint), felt)
+        try:
+            command = self._controller.update(own_copy(state), own_copy(setpoint), felt)
+        except Exception as error:
+            raise self._failed("update", error) from error
         self._check_tick(command, state, setpoint)
         known = partial(_known, command.names, state, setpoint, interference)
         rows = index_of(setpoint.names, command.names)
@@ -110,8 +119,17 @@ class CheckedController:
         except ValueError as error:
             raise self._wrong(f"{what} {error}") from error
 
+    def _failed(self, what: str, error: Exception) -> ControllerOutputError:
+        return self._wrong(f"{what} raised {error_line(error)} ({_last_line(error)})")
+
     def _wrong(self, message: str) -> ControllerOutputError:
         return ControllerOutputError(f"{self._name}: {message}")
+
+
+def _last_line(error: Exception) -> str:
+    """Return file and line where an error was raised."""
+    *_, (frame, line) = walk_tb(error.__traceback__)
+    return f"{Path(frame.f_code.co_filename).name}, line {line}"
 
 
 def _known(names: Names, state: SwarmState, setpoint: SwarmSetpoint, felt: Interference | None) -> Mask:

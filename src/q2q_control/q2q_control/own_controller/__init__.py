@@ -1,0 +1,1 @@
+"""Controller of a user's class, named as `module:Class`: found, and every command checked."""
