@@ -158,9 +158,9 @@ def test_a_class_by_name_flies_as_its_object() -> None:
 
 @pytest.mark.parametrize("controller", ["q2q_control.own_controller.pd_example:PdExample", Integrating()])
 def test_options_of_other_controllers_are_refused(controller: str | q2q.Controller) -> None:
-    with pytest.raises(ValueError, match="correct.* only for pid and mpc"):
+    with pytest.raises(ValueError, match=r"correct.* only for pid and mpc"):
         q2q.fly(STACK, controller=controller, correct=True)
-    with pytest.raises(ValueError, match="limit.* only for pid and mpc"):
+    with pytest.raises(ValueError, match=r"limit.* only for pid and mpc"):
         q2q.fly(STACK, controller=controller, limit=False)
 
 
