@@ -19,6 +19,7 @@ from q2q_model.identification.push.push_samples import (
     score,
     unmeasured_note,
 )
+from q2q_model.identification.push.rate_check import rate_notes
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.model_files.find_model import find_model
@@ -49,7 +50,8 @@ def run(args: Namespace) -> int:
     if args.json:
         write_json(text, args.json)
     notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
-    notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
+    flights = [one.flight for one in recordings]
+    notes += sensor_notes(flights, flown.vehicle) + rate_notes(flights)
     notes += log_mass_notes(recordings, flown.vehicle) + log_notes(recordings, flown.vehicle)
     notes += lag_note([one for one in recordings if samples[one.flight.name]], flown.vehicle.thrust_lag)
     for note in notes:

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.statistics.block_bootstrap import Spread, estimate_spread, slope_spread
+from q2q_sim.air.learning.statistics.block_bootstrap import (
+    Row,
+    Spread,
+    block_of_rows,
+    estimate_spread,
+    slope_spread,
+)
 
 
 def test_rows_without_x_show_no_slope() -> None:
@@ -58,3 +64,12 @@ def _spread_of_mean(each: Array) -> Spread:
         return np.array([float(weight @ each / weight.sum())])
 
     return estimate_spread(mean, each.size)
+
+
+def test_stretches_are_the_same_whatever_the_epoch_of_a_flights_clock() -> None:
+    t = 0.7 + 0.01 * np.arange(1000)
+    first = block_of_rows([Row("a", t), Row("b", t), Row("a", t[300:])])
+    later = block_of_rows([Row("a", t + 1.7e9), Row("b", t + 5.3), Row("a", t[300:] + 1.7e9)])
+    np.testing.assert_array_equal(first, later)
+    np.testing.assert_array_equal(first[:1000], np.arange(1000) // 200)
+    np.testing.assert_array_equal(first[2000:], first[300:1000])  # vehicles of a flight stay together

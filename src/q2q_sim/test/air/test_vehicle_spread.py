@@ -1,14 +1,17 @@
 """The 95 % intervals of what differs between flights of vehicles hold it, with few vehicles too."""
 
+from itertools import product
+
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.statistics.block_bootstrap import Spread
 from q2q_sim.air.learning.statistics.vehicle_spread import (
     deviation_of_draws,
     mean_spread,
-    spread_of_vehicles,
+    median_spread,
 )
 
 MEAN, DEVIATION = 0.3, 0.16
@@ -45,10 +48,22 @@ def test_an_interval_holds_the_median_of_vehicles_in_nearly_95_percent_or_more(v
 
 
 def _spread_of_median(each: Array, least: float = -np.inf) -> Spread:
-    def median(weight: Array) -> Array:
-        return np.array([np.median(np.repeat(each, weight.astype(np.intp)))])
+    return median_spread(each[:, None], least)
 
-    return spread_of_vehicles(median, each.size, least)
+
+def test_the_error_of_a_median_is_that_over_all_bootstrap_draws_in_any_order() -> None:
+    each = np.array([0.07, 0.15, 10.0, 0.31, 0.79])
+    draws = np.array([np.median(one) for one in product(each, repeat=each.size)])
+    wide = stdtrit(4, 0.975) * draws.std() * np.sqrt(5 / 4)
+    for ordered in (each, each[::-1]):
+        found = _spread_of_median(ordered)
+        np.testing.assert_allclose(found.value, 0.31)
+        np.testing.assert_allclose(found.high - found.value, wide, rtol=1e-9)
+
+
+def test_a_median_below_its_least_value_is_that_value_with_an_interval_of_nothing() -> None:
+    found = _spread_of_median(np.array([-3.0, -2.9, -3.1, -3.0]), 0.0)
+    assert [float(one[0]) for one in (found.value, found.low, found.high)] == [0.0, 0.0, 0.0]
 
 
 def test_two_vehicles_give_values_without_intervals() -> None:

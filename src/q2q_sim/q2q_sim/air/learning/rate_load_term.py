@@ -20,8 +20,8 @@ from q2q_sim.air.air_terms import RateLoadTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
-from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
-from q2q_sim.air.learning.statistics.vehicle_spread import spread_of_vehicles
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, not_negative
+from q2q_sim.air.learning.statistics.vehicle_spread import median_spread
 
 FEWEST_ROWS = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
@@ -40,14 +40,9 @@ def rate_load_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTer
     ]
     if not each:
         return None
-    loads = np.array(each)
-    found = spread_of_vehicles(
-        lambda weight: np.array([max(np.median(np.repeat(loads, weight.astype(np.intp))), 0.0)]),
-        loads.size,
-        0.0,
-    )
+    found = median_spread(np.array(each)[:, None], 0.0)
     source = "flights of vehicles that turn in clear air"
-    value = fitted_value(found, 0, "rate_load.nms", loads.size, source)
+    value = not_negative(fitted_value(found, 0, "rate_load.nms", len(each), source))
     return LearnedTerm(RateLoadTerm(value.value), (value,))
 
 

@@ -16,7 +16,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_terms import RotorDragTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
-from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, not_negative
 
 FEWEST_ROWS = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
@@ -49,7 +49,6 @@ def rotor_drag_term(records: Sequence[AirRecord]) -> LearnedTerm[RotorDragTerm] 
         return np.array([max(along / square, 0.0)])
 
     rows_found = sum(len(one) for one in products)
-    found = fitted_value(
-        estimate_spread(estimate, len(sums)), 0, "rotor_drag.per_s", rows_found, "rows in clear air"
-    )
+    drag = estimate_spread(estimate, len(sums))
+    found = not_negative(fitted_value(drag, 0, "rotor_drag.per_s", rows_found, "rows in clear air"))
     return LearnedTerm(RotorDragTerm(found.value), (found,))

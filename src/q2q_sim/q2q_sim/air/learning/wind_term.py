@@ -19,7 +19,7 @@ from q2q_sim.air.air_terms import WindTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, flight_lags, lagged_pairs
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, within_search
-from q2q_sim.air.learning.statistics.vehicle_spread import spread_of_vehicles
+from q2q_sim.air.learning.statistics.vehicle_spread import median_spread
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
 """Lags of the autocovariance [s], or those of a flight nearest to them; noise is correlated for 0.03 s."""
@@ -37,9 +37,7 @@ def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
     if not parts:
         return None
     each = np.array([_gusts(record, one) for record, one in parts])  # (parts, 2)
-    found = spread_of_vehicles(
-        lambda weight: np.median(np.repeat(each, weight.astype(np.intp), axis=0), axis=0), len(each), 0.0
-    )
+    found = median_spread(each, 0.0)
     std, time = map(float, found.value)
     source = "flights of vehicles with rows in clear air"
     values = tuple(

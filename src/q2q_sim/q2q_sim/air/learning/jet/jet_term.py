@@ -6,8 +6,9 @@ the Jacobian J = (X, Z) of coefficients above zero and travel, and the residuals
 
     (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + R)^-1 (sum w_g J_g' e_g - R beta)
 
-with R, the matrix of the penalties, and a travel beyond its bounds at them. Where all w_g are 1 the step of
-beta is zero: the intervals are around the estimate.
+with R, the matrix of the penalties, and a travel beyond its bounds at them. An item of the travel that is
+at a bound at the estimate stays there. Where all w_g are 1 the step of beta is zero: the intervals are around
+the estimate.
 
 An item of the travel is not shown if even alone, with the scores z_g' e_g of the blocks,
 
@@ -85,9 +86,12 @@ def _reported_value(one: Fitted, item: float, bounds: tuple[float, float], shown
     """Return a value of the travel, without interval if it is not shown, or at its bound."""
     if not shown:
         return replace(one, low=None, high=None, rows=0, source="not shown by these flights: the default")
-    if min(abs(item - end) for end in bounds) < TOLERANCE:
-        return at_bound(one)
-    return one
+    return at_bound(one) if _is_at(item, bounds) else one
+
+
+def _is_at(item: float, bounds: tuple[float, float]) -> bool:
+    """Return whether an item of the travel is at a bound of its search."""
+    return min(abs(item - end) for end in bounds) < TOLERANCE
 
 
 def jet_alone(records: Sequence[AirRecord]) -> JetTerm | None:
@@ -186,7 +190,8 @@ class _Fit:
         active = np.flatnonzero(self.beta > 0.0)
         place = wake_rows.jet_places(self._parts, self.travel)
         along = -place.thrust_ratio[:, None] * spline_values(place.gap, place.radius)[:, active]
-        moved = [self._derivative(int(k)) for k in np.flatnonzero(self.shown)]
+        free = self.shown & ~np.array([_is_at(*one) for one in zip(self.travel, BOUNDS, strict=True)])
+        moved = [self._derivative(int(k)) for k in np.flatnonzero(free)]
         jacobian = np.column_stack([along, *moved])
         residual = self._y + self._push(self.travel)
         rough = RIDGE * np.eye(jacobian.shape[1])
@@ -202,7 +207,7 @@ class _Fit:
             step = np.linalg.solve(square, weight @ score - smoothed)
             beta, travel = self.beta.copy(), np.array(self.travel)
             beta[active] += step[: active.size]
-            travel[self.shown] += step[active.size :]
+            travel[free] += step[active.size :]
             travel = np.clip(travel, least, most)
             return self._values(beta, Travel(*travel))
 

@@ -9,12 +9,14 @@ hold the mean of normal blocks in 75 % with 3 of them, 85 to 94 % with 4 to 10, 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, stdtrit
 
 from q2q_model.identification.statistics.intervals import LEVEL, MANY
+from q2q_model.signals.stamps import SAME_STAMP
 from q2q_model.signals.values import Array
 
 BLOCK = 2.0
@@ -37,16 +39,29 @@ class Row:
 
 
 def block_of_rows(parts: Sequence[Row]) -> BlockOfRows:
-    """Return the block of every row of `parts`, in their order, numbered from 0."""
-    flights = list(dict.fromkeys(part.flight for part in parts if part.t.size))
-    if len(flights) >= MANY:
-        keys = [(float(flights.index(part.flight)), np.zeros(part.t.size)) for part in parts if part.t.size]
-    else:
-        keys = [(float(flights.index(part.flight)), part.t // BLOCK) for part in parts if part.t.size]
-    if not keys:
+    """Return the block of every row of `parts`, in their order; blocks are numbered from 0, by name and time.
+
+    Neither the epoch of a clock nor the order of flights changes which rows a draw takes.
+    """
+    begins: dict[str, float] = {}
+    for part in parts:
+        if part.t.size:
+            begins[part.flight] = min(float(part.t.min()), begins.get(part.flight, inf))
+    if not begins:
         return np.empty(0, dtype=np.intp)
-    pairs = np.concatenate([np.stack([np.full(one.size, flight), one], axis=1) for flight, one in keys])
-    return np.asarray(np.unique(pairs, axis=0, return_inverse=True)[1].ravel())
+    number, length = {name: k for k, name in enumerate(sorted(begins))}, inf if len(begins) >= MANY else BLOCK
+    pairs = [
+        np.stack(
+            [
+                np.full(part.t.size, float(number[part.flight])),
+                (part.t - begins[part.flight] + SAME_STAMP) // length,
+            ],
+            axis=1,
+        )
+        for part in parts
+        if part.t.size
+    ]
+    return np.asarray(np.unique(np.concatenate(pairs), axis=0, return_inverse=True)[1].ravel())
 
 
 def block_sums(values: Array, blocks: BlockOfRows) -> Array:

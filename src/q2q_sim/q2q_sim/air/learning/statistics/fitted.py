@@ -56,6 +56,11 @@ def within_search(one: Fitted, bounds: tuple[float, float]) -> Fitted:
     return at_bound(one) if _is_at_bound(one, bounds) else one
 
 
+def not_negative(one: Fitted) -> Fitted:
+    """Return a value that is 0 at least, without its interval if that is 0, too."""
+    return at_bound(one) if one.value == 0.0 == one.high else one
+
+
 def at_bound(one: Fitted) -> Fitted:
     """Return a value at a bound of its search, without its interval."""
     return replace(one, low=None, high=None, source=f"{one.source}; at the bound of its search")

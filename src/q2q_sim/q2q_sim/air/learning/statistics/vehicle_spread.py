@@ -2,10 +2,12 @@
 
     mean                m +- t s / sqrt(n)
     deviation           sqrt(max(s^2 (n - 1) / x - e, 0))          x: quantiles of chi-square with n - 1
+    median              v +- t s_m sqrt(n / (n - 1))
     any other estimate  v +- t s_b sqrt(n / (n - 1))
 
-The first two hold for normal draws. In simulations the third holds the median of 3 to 38 normal draws in 94
-to 98 %. One vehicle in several flights counts as several: where these are alike, intervals are too narrow.
+The first two hold for normal draws. In simulations the third holds the median of 3 to 38 normal, lognormal or
+uniform draws in 94 to 98 %. One vehicle in several flights counts as several: where these are alike,
+intervals are too narrow.
 
 | symbol | meaning |
 |---|---|
@@ -13,11 +15,12 @@ to 98 %. One vehicle in several flights counts as several: where these are alike
 | m, s | mean and standard deviation of the draws |
 | e | mean square of the draws' own errors, which is not part of the deviation |
 | v, s_b | estimate, and its standard deviation over bootstrap draws |
+| s_m | the same of a median, exactly: over all draws (Maritz and Jarrett, JASA 73, 1978) |
 | t | Student's t with n - 1 degrees of freedom |
 """
 
 import numpy as np
-from scipy.special import chdtri, stdtrit
+from scipy.special import betainc, chdtri, stdtrit
 
 from q2q_model.identification.statistics.intervals import LEVEL
 from q2q_model.signals.values import Array
@@ -56,6 +59,17 @@ def deviation_spread(squares: float, freedom: int, own: float = 0.0) -> Spread:
     return Spread(np.array([value]), np.array([low]), np.array([high]))
 
 
+def median_spread(each: Array, least: float = -np.inf) -> Spread:
+    """Return the median of draws (n, p) with its interval, (p,), of `least` or more."""
+    count = len(each)
+    middle = 0.5 * (count + 1)
+    weight = np.diff(betainc(middle, middle, np.linspace(0.0, 1.0, count + 1)))
+    ranked = np.sort(each, axis=0)
+    error = np.sqrt(np.maximum(weight @ ranked**2 - (weight @ ranked) ** 2, 0.0))
+    known = np.sqrt(count / (count - 1.0)) if count >= FEWEST else np.nan
+    return _around(np.median(each, axis=0), known * error, count, least)
+
+
 def spread_of_vehicles(estimate: WeightedEstimate, count: int, least: float = -np.inf) -> Spread:
     """Return an estimate from `count` draws with its interval, (p,), whose ends are `least` or more."""
     value = estimate(np.ones(count))
@@ -67,4 +81,4 @@ def spread_of_vehicles(estimate: WeightedEstimate, count: int, least: float = -n
 
 def _around(value: Array, error: Array, count: int, least: float = -np.inf) -> Spread:
     wide = stdtrit(max(count - 1, 1), UPPER) * error
-    return Spread(value, np.maximum(value - wide, least), value + wide)
+    return Spread(*(np.maximum(one, least) for one in (value, value - wide, value + wide)))
