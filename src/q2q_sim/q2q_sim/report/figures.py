@@ -17,6 +17,8 @@ from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.metrics.flight_metrics import best_position
 from q2q_sim.report.panels import legend_above, literal, panels
 
+ALONE = 1.5
+"""Width of a trace with no other over it [pt]."""
 PADDING = 0.06
 """Space above and below the curves, as a share of their range."""
 NEAR = 0.5
@@ -82,7 +84,7 @@ def plot_quantity(quantity: Quantity, curves: Sequence[PlotCurve], name: str) ->
                 _since_first_tick(curve.flight),
                 values,
                 color=colour,
-                linewidth=trace.width,
+                linewidth=trace.width if len(traces) > 1 else ALONE,
                 label=trace.label if apart else literal(curve.label),
             )
         panel.set_title(literal(f"{name}: {quantity.title}" + (f", {curve.label}" if apart else "")))

@@ -31,7 +31,7 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
     [
         (False, 1, "The 95 % interval is that of other orders."),
         (True, 2, "The 95 % interval is that of other draws of noise, losses and gusts."),
-        (True, 1, "All orders were flown with one seed, so the shares have no interval."),
+        (True, 1, "All orders were flown with one seed, so the contributions have no interval."),
     ],
 )
 def test_a_page_says_what_its_intervals_are_of(

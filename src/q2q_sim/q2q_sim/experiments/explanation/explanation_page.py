@@ -18,12 +18,12 @@ from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, P
 from q2q_sim.report.panels import panels, save
 from q2q_sim.report.significant_digits import CM
 
-HEAD = ("cause", "share\n[cm]", "from\n[cm]", "to\n[cm]")
+HEAD = ("cause", "contribution\n[cm]", "from\n[cm]", "to\n[cm]")
 NOTES = (
-    "The flight is flown again with its causes taken out one after the other, in several orders. The share "
-    "of a cause is the mean of what taking it out changes (Shapley value); shares and rest, which is left "
-    "without any of them, add up to the loss. A share below 0 kept the vehicle on its path. The loss is the "
-    f"largest one of the flight, at most {LOST:g} m."
+    "The flight is flown again with its causes removed one after the other, in several orders. The "
+    "contribution of a cause is the mean of what removing it changes (Shapley value). Contributions, and the "
+    "rest, which is left without any of them, add up to the deviation. A contribution below 0 kept the "
+    f"vehicle on its path. The deviation is the largest one of the flight, at most {LOST:g} m."
 )
 
 
@@ -33,9 +33,9 @@ def write_page(found: Explanation, recorded: RecordedSetup, name: str, out: Path
     rows = [(one.cause, *map(_centimetres, (one.share, one.low, one.high))) for one in found.shares]
     parts: list[Part] = [
         PageVerdict(explanation_sentence(found), ok=False),
-        [Picture(picture, "Shares of the loss, with 95 % intervals")],
+        [Picture(picture, "Contributions to the deviation, with 95 % intervals")],
         *_replay(found, recorded),
-        Heading("Shares"),
+        Heading("Contributions"),
         Grid(HEAD, [*rows, ("rest", _centimetres(found.rest), "-", "-")]),
         f"{NOTES} {_interval_note(found)}",
         f"Flown again, the vehicles are within {recorded.difference:.1g} m of their recorded positions.",
@@ -52,7 +52,7 @@ def _interval_note(found: Explanation) -> str:
     if found.draws > 1:
         sources.append("other draws of noise, losses and gusts")
     if not sources:
-        return "All orders were flown with one seed, so the shares have no interval."
+        return "All orders were flown with one seed, so the contributions have no interval."
     return f"The 95 % interval is that of {' and '.join(sources)}."
 
 
@@ -71,7 +71,7 @@ def _bars(found: Explanation) -> Figure:
     axes.barh([one.cause for one in shown], share, color=palette.MODEL, xerr=beside, ecolor=palette.BLACK)
     axes.set_axisbelow(True)
     axes.axvline(0.0, color=palette.BLACK, linewidth=0.8)
-    axes.set_xlabel("share of the loss [cm]")
+    axes.set_xlabel("contribution to the deviation [cm]")
     return figure
 
 
