@@ -10,6 +10,8 @@ from q2q_model.vehicle.thrust_map import PWM_FULL
 
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 """Columns of the motors' duties."""
+LEAST_PWM = 5000.0
+"""Smallest median of turning motors that is taken for PWM: pulses of ESCs reach 2000 us, idle is 7000."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,29 @@ def log_at(log: FlightLog, t: Array, names: Names) -> FlightLog:
     return FlightLog(t, names, log.columns, log.units, np.where(same[:, None, None], own, np.nan))
 
 
-def motor_duty(log: FlightLog) -> Array:
-    """Return the duty of every motor in a log, 0 to 1, (T, n, 4), also of one that counts to PWM_FULL."""
+def motor_duty(log: FlightLog, flight: str) -> Array:
+    """Return the duty of every motor in the log of a flight, 0 to 1, (T, n, 4), also from PWM to PWM_FULL.
+
+    Each vehicle's scale is that of the median of its motors while they turn: single values may be wrong.
+
+    Raises:
+        ValueError: the motors of a vehicle have another scale.
+    """
     logged = np.stack([log.column(motor) for motor in MOTORS], axis=-1)
-    return logged / (PWM_FULL if np.nanmax(logged, initial=0.0) > 1.0 else 1.0)
+    full = [_full_duty(f"flight {flight}", name, logged[:, i]) for i, name in enumerate(log.names)]
+    return np.asarray(logged / np.array(full)[:, None])
+
+
+def _full_duty(flight: str, name: str, logged: Array) -> float:
+    """Return the value at full duty of the motors of a vehicle, (T, 4)."""
+    turning = logged[logged > 0.0]
+    usual = float(np.median(turning)) if turning.size else 0.0
+    if usual <= 1.0:
+        return 1.0
+    if LEAST_PWM <= usual <= PWM_FULL:
+        return PWM_FULL
+    raise ValueError(
+        f"{flight}: {MOTORS[0]} to {MOTORS[-1]} of {name} are {usual:.4g} in the median and reach "
+        f"{turning.max():.4g}; must be duties from 0 to 1, or PWM from 0 to {PWM_FULL}: a column map scales "
+        "those of a table (bag_import --columns), percent by 0.01"
+    )

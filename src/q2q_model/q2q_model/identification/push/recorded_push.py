@@ -54,7 +54,7 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
 
     Raises:
         ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, is not
-            upright, or the force in the log cannot be in newtons.
+            upright, the force in the log cannot be in newtons, or its motors are neither duties nor PWM.
     """
     check_upright(one.flight)
     check_weight(one.flight, vehicle)
@@ -156,7 +156,7 @@ def can_weigh(vehicle: Vehicle, mass: float) -> bool:
 def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float) -> PushRecord:
     """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion.
 
-    `mass` is m of its force [kg].
+    `mass` is m of its force [kg]. Raises ValueError for motors that are neither duties nor PWM.
     """
     force = log.column("faz_est")
     known = np.isfinite(force)
@@ -166,7 +166,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float) -> PushR
         motion=motion,
         push=np.where(known, force / mass, 0.0),
         measured=np.asarray((log.column("gap") == 0.0) & known),
-        saturated=np.asarray(motor_duty(log).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
+        saturated=np.asarray(motor_duty(log, name).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
     )
 
 

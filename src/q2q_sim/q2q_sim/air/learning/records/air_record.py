@@ -200,4 +200,4 @@ def _thrust_ratio(thrust: Array, clear: Mask, measured: Mask) -> Array:
 def _motors(one: Recording) -> Motors | None:
     if one.log is None or not {*MOTORS, "vbat"} <= set(one.log.columns):
         return None
-    return Motors(motor_duty(one.log), one.log.column("vbat"))
+    return Motors(motor_duty(one.log, one.flight.name), one.log.column("vbat"))
