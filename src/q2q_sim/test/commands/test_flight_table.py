@@ -72,7 +72,7 @@ def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], mes
         flight_table({name: values for name, values in columns.items() if values is not None})
 
 
-@pytest.mark.parametrize("name", ["1", "v" * 101, "é"])
+@pytest.mark.parametrize("name", ["1", "v" * 101, "é", "cf-2", "Drone A", "room.cf2"])
 def test_a_vehicle_with_a_name_that_begins_no_topic_is_refused(name: str) -> None:
     with pytest.raises(
         ValueError, match="letters, digits and _, at most 100: rename its columns, as in cf1_x"

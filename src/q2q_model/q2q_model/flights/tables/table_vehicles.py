@@ -13,7 +13,6 @@ A prefix may be a vehicle if it ends in a number (`cf2`, `drone_2`), or has atti
 thrust as well.
 """
 
-import re
 from collections.abc import Collection
 
 from q2q_model.signals.vehicle_name import check_vehicle_name
@@ -48,9 +47,6 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
         else:
             _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
     if not found:
-        for name in (one.removesuffix("_x") for one in columns if one.endswith("_x")):
-            if name != ESTIMATE and all(f"{name}_{axis}" in columns for axis in AXES):
-                _check_name(name)
         raise ValueError(
             f"the table has neither x, y, z nor <vehicle>_x, _y, _z; it has {', '.join(columns)}"
         )
@@ -67,7 +63,9 @@ def _check_name(name: str) -> None:
 
 def _before_x(columns: Collection[str]) -> list[str]:
     return [
-        match[1] for name in columns if (match := re.fullmatch(r"(\w+)_x", name)) and match[1] != ESTIMATE
+        before
+        for name in columns
+        if name.endswith("_x") and (before := name.removesuffix("_x")) not in {"", ESTIMATE}
     ]
 
 
