@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.documents.json_file import with_nulls
+from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply, rotate
 from q2q_model.recordings.flight_recording import Recording
@@ -79,6 +80,19 @@ def test_markers_that_are_askew_do_not_tilt_the_vehicle() -> None:
     thrust = rotate(straight.body_quat[STEADY], UP)
     np.testing.assert_allclose(rotate(askew.body_quat[STEADY], UP), thrust, atol=1e-4)
     assert np.abs(rotate(askew.quat[STEADY], UP) - thrust)[:, 0].min() > 0.05
+
+
+def test_a_recorded_estimate_is_resampled_in_metres_and_refused_in_millimetres() -> None:
+    one = circle()
+    own = one.flight.mocap_pos + 0.01
+    log = FlightLog(one.flight.t, one.flight.names, ("est_x", "est_y", "est_z"), ("m",) * 3, own)
+    found = recorded_motion(replace(one, log=log))
+    assert found.own_pos is not None
+    np.testing.assert_allclose(found.own_pos, found.pos + 0.01, atol=1e-6)
+    with pytest.raises(
+        ValueError, match=r"the estimate \(est_x, est_y, est_z\) in circle reach .* in metres"
+    ):
+        recorded_motion(replace(one, log=replace(log, values=1e3 * own)))
 
 
 def test_rows_without_a_sample_are_neither_given_nor_compared() -> None:

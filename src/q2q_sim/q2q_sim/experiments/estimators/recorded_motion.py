@@ -19,6 +19,7 @@ from scipy.signal import savgol_filter
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
+from q2q_model.flights.units_and_frames.unit_check import check_metres
 from q2q_model.flights.units_and_frames.upright_check import check_upright
 from q2q_model.geometry.rotations import (
     UP,
@@ -91,7 +92,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
 
     Raises:
         ValueError: several vehicles, no attitudes or none that is upright, a rate below SLOWEST_HZ, or too
-            short above FLOOR.
+            short above FLOOR, or an estimate in the log that is not in metres.
     """
     poses = _dense_poses(recording.flight)
     return _body_motion(recording, poses, in_flight(poses.pos[:, 2]))
@@ -182,8 +183,10 @@ def seen_ticks(t: Array, at: Array) -> Mask:
 
 
 def _own(recording: Recording, at: Array) -> Array | None:
+    """Return the vehicle's own estimate at the ticks; raise ValueError if it is not in metres."""
     log = recording.log
     if log is None or not set(OWN_ESTIMATE) <= set(log.columns):
         return None
     own = np.stack([log.column(name)[:, 0] for name in OWN_ESTIMATE], axis=1)
+    check_metres((f"the estimate ({', '.join(OWN_ESTIMATE)}) in {recording.flight.name}",), own[:, None])
     return resample(log.t, own, at)
