@@ -3,8 +3,8 @@
     patches of Python -> cflib, crazyflie_py -> program as __main__ -> rest of the flight -> log
 
 The program's own exit closes its links like the end of a process: without a word. The vehicles then fly on
-by their firmware, until they stand still or REST_S have passed. cflib may be missing; crazyflie_py is a
-stand-in (crazyswarm) whose server is this process.
+by their firmware, for BEGIN_S at least, until they rest or REST_S have passed. cflib may be missing;
+crazyflie_py is a stand-in (crazyswarm) whose server is this process.
 """
 
 import atexit
@@ -37,6 +37,8 @@ from q2q_sim.licence.room.licence_log import LicenceLog, ProgramEnd, escaped
 from q2q_sim.licence.room.licence_room import LicenceRoom
 from q2q_sim.processes.parent_death import die_with_parent
 
+BEGIN_S = 0.5
+"""Time in which a vehicle arms, in four updates of its supervisor, and follows its last command [s]."""
 REST_S = 5.0
 """Longer than the firmware's watchdog of 2 s and a fall from the ceiling [s]."""
 LOOK_S = 1.0
@@ -184,7 +186,7 @@ class _Flight:
         if self._failed.status and not end.status:
             end = ProgramEnd(end.t, 1, self._failed.error, self._failed.line)
         ended = self._room.t
-        while self._room.is_moving() and self._room.t < ended + REST_S:
+        while self._room.t < ended + (REST_S if self._room.is_active() else BEGIN_S):
             self._fly()
         self._send(end)
 

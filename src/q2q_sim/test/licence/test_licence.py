@@ -7,10 +7,11 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from flown_programs import HOP, LAND, flown, hop, log_of, order_of, written
+from flown_programs import HOP, LAND, ONE, flown, hop, log_of, order_of, written
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
+from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S
 from q2q_sim.air.air_names import AirError
 from q2q_sim.licence.client_commands.client_command import CommandKind
 from q2q_sim.licence.licence_flights import Licence, licence
@@ -36,6 +37,24 @@ def test_a_sound_program_lands_and_flies_the_same_again(tmp_path: Path) -> None:
     assert (one.pos == other.pos).all()
     assert 0.3 < one.pos[:, 0, 2].max() < 0.5  # asked for 0.4; it has not settled after 1.5 s
     assert one.pos[-1, 0, 2] <= 0.0
+
+
+def test_a_setpoint_of_the_last_line_arms_a_vehicle_and_is_flown_until_it_is_too_old(tmp_path: Path) -> None:
+    """The link stays open: nothing else is sent."""
+    rise = """
+import cflib.crtp
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+cflib.crtp.init_drivers()
+scf = SyncCrazyflie("radio://0/80/2M/E7E7E7E7E7")
+scf.open_link()
+scf.cf.supervisor.send_arming_request(True)
+scf.cf.commander.send_hover_setpoint(0.0, 0.0, 0.0, 0.5)
+"""
+    flight = flown(written(tmp_path, rise), params=replace(ONE, arming=True))
+    log = log_of(flight)
+    assert log.pos[:, 0, 2].max() == pytest.approx(0.5, abs=0.1)
+    assert flight.findings[0].rule == "motors"
+    assert flight.findings[0].t == pytest.approx(log.commands[-1].t + CUT_AFTER_S, abs=0.05)
 
 
 def test_a_program_that_ends_in_the_air_fails_with_time_and_reason(tmp_path: Path) -> None:

@@ -135,6 +135,15 @@ assert status["pm_state"] == 0 and 4.0 < status["battery"] < 4.2, status
     assert log.names == ("cf231",)
 
 
+@pytest.mark.parametrize("last", ["allcfs.takeoff(0.5, 2.0)", "cf.goTo([0.0, 0.0, 0.5], 0.0, 2.0)"])
+def test_what_the_last_line_of_a_program_begins_is_flown(tmp_path: Path, last: str) -> None:
+    """Its vehicle still stands when the program ends, and hovers 5 s later."""
+    flight = fly(tmp_path, last)
+    (found,) = flight.findings
+    assert (found.rule, found.what) == ("end", "cf231 still flies 5 s after the end of the program")
+    assert log_of(flight).pos[-1, 0, 2] == pytest.approx(0.5, abs=0.05)
+
+
 def test_streamed_states_are_followed_and_outrank_a_go_to_until_they_stop(tmp_path: Path):
     body = """
 for _ in range(300):

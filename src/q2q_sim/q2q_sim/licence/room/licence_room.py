@@ -180,10 +180,11 @@ class LicenceRoom:
         """Return whether a radio reports the link to a vehicle as lost at t [s]."""
         return self.silent_until(vehicle, t) == math.inf and t >= self.trial.start + NOTICED_S
 
-    def is_moving(self) -> bool:
-        """Return whether a vehicle is above the floor or moves."""
+    def is_active(self) -> bool:
+        """Return whether a vehicle is above the floor, moves, or may run its motors."""
         state = self._room.swarm.state
-        return bool((state[:, POS][:, 2] > 0.0).any() or (np.abs(state[:, VEL]) > 0.0).any())
+        moves = (state[:, POS][:, 2] > 0.0).any() or (np.abs(state[:, VEL]) > 0.0).any()
+        return bool(moves) or any(may_run_motors(vehicle.firmware) for vehicle in self._fleet.vehicles)
 
     def log(self, uris: Names, names: Names, end: ProgramEnd, output: str) -> LicenceLog:
         """Return the flight so far, of vehicles with these URIs and names."""
