@@ -15,6 +15,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from importlib.util import find_spec
 from multiprocessing.connection import Connection
@@ -30,6 +31,7 @@ from q2q_sim.licence.flight_order import FlightOrder
 from q2q_sim.licence.program_process.cooperative_scheduler import CooperativeScheduler
 from q2q_sim.licence.program_process.last_lines import LastLines
 from q2q_sim.licence.program_process.link_host import LinkHost
+from q2q_sim.licence.program_process.patched_signals import replace_signals
 from q2q_sim.licence.program_process.patched_threading import patch_threading, watch_main_thread
 from q2q_sim.licence.program_process.program_lines import error_in, waiting_lines
 from q2q_sim.licence.program_process.simulator_errors import SimulatorFailure, end_by, is_of_room
@@ -75,11 +77,11 @@ class _Flight:
         threading.excepthook = self._note_thread
         self._watch_callbacks()
         watch_main_thread(self._scheduler)
+        replace_signals(self._scheduler)
         atexit._clear()  # noqa: SLF001  those of the process that this one was forked from
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
-        for thread in threading.enumerate():
-            if not thread.daemon and thread is not threading.current_thread():
-                thread.join()
+        with suppress(KeyboardInterrupt):
+            _join_threads()
         atexit._run_exitfuncs()  # noqa: SLF001  the program's, which may land vehicles
         self._swarms.settle()
         self._finish(end)
@@ -181,7 +183,8 @@ class _Flight:
         logging.setLogRecordFactory(noting)
 
     def _finish(self, end: ProgramEnd) -> NoReturn:
-        """Fly on without the program and send the log."""
+        """Fly on without the program, which can no longer be interrupted, and send the log."""
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         _end_looks()
         if self._failed.status and not end.status:
             end = ProgramEnd(end.t, 1, self._failed.error, self._failed.line)
@@ -201,6 +204,13 @@ class _Flight:
         os._exit(0)
 
 
+def _join_threads() -> None:
+    """Wait for the threads of the program, as Python does at its end; Ctrl-C ends the wait."""
+    for thread in threading.enumerate():
+        if not thread.daemon and thread is not threading.current_thread():
+            thread.join()
+
+
 def _end_looks() -> None:
     """End the looks at the program, which fly ticks: what follows flies its own, and none within another."""
     for timer in (signal.ITIMER_PROF, signal.ITIMER_REAL):
@@ -208,8 +218,12 @@ def _end_looks() -> None:
 
 
 def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
-    """Fly a program in this process, send its LicenceLog, and end the process."""
+    """Fly a program in this process, send its LicenceLog, and end the process.
+
+    In a session of its own: Ctrl-C in a terminal is for the process that asked for the flight, and ends this.
+    """
     die_with_parent()
+    os.setsid()
     try:
         _Flight(order, answer).run()
     except Exception as error:  # noqa: BLE001  those of the program end within

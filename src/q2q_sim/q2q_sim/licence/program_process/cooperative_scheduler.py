@@ -4,6 +4,9 @@ A thread keeps the turn until it waits. When all wait, time advances to the next
 the room, whichever is first, and the thread that waited last flies the tick. The first thread in the order of
 waiting whose condition holds, or whose deadline has come, takes the turn. The order of all events is
 therefore the same on any machine, and computing takes no time.
+
+Python runs handlers of signals in the main thread, whoever has the turn. They run in it when it has the turn,
+and end its waiting, as they end a sleep of Python.
 """
 
 import _thread
@@ -27,6 +30,8 @@ class _Waiting:
     ready: Callable[[], bool]
     until: float
     """Deadline [s]."""
+    thread: int = 0
+    """Its identifier; 0 if it has not started."""
     gate: Gate = field(default_factory=_closed_gate)
 
 
@@ -44,7 +49,7 @@ class CooperativeScheduler:
     """Scheduler of the threads of a program that share a clock with a room; one has the turn."""
 
     def __init__(self, fly: Callable[[], None], tick: float) -> None:
-        """Start the clock at 0; `fly` advances the room by one tick [s]. The caller has the turn."""
+        """Start the clock at 0; `fly` advances the room by one tick [s]. The main thread has the turn."""
         self.now = 0.0
         """Time [s]."""
         self.handing_on = False
@@ -56,15 +61,25 @@ class CooperativeScheduler:
         self._fly = fly
         self._tick, self._ticks = tick, 0
         self._waiting: list[_Waiting] = []
+        self._main = self.holder
+        self._signals: list[Callable[[], object]] = []
+        """Handlers of signals that wait for the main thread's turn."""
 
     def wait(self, ready: Callable[[], bool], until: float = math.inf) -> bool:
         """Give up the turn until a condition holds or a time [s] has come; return whether it holds."""
-        self.handing_on = True
-        mine = _Waiting(ready, until)
-        self._waiting.append(mine)
-        self.leave()
-        self.take(mine.gate)
+        self._hand_on(ready, until)
+        while self._signals and self.holder == self._main:
+            self._signals.pop(0)()
+            if not ready() and self.now < until:
+                self._hand_on(ready, until)
         return ready()
+
+    def handle(self, signal: Callable[[], object]) -> None:
+        """Run a handler of a signal, in the main thread: now if that has the turn, or else when it has."""
+        if self.holder == self._main and not self.handing_on:
+            signal()
+        else:
+            self._signals.append(signal)
 
     def sleep(self, seconds: float) -> None:
         """Give up the turn for a time [s]."""
@@ -88,6 +103,7 @@ class CooperativeScheduler:
         while (chosen := self._next()) is None:
             self._advance()
         self._waiting.remove(chosen)
+        self.holder = chosen.thread
         self.handing_on = False
         chosen.gate.release()
 
@@ -99,9 +115,18 @@ class CooperativeScheduler:
         else:
             self.wait(never, after)
 
+    def _hand_on(self, ready: Callable[[], bool], until: float) -> None:
+        """Give up the turn and take it again."""
+        self.handing_on = True
+        mine = _Waiting(ready, until, _thread.get_ident())
+        self._waiting.append(mine)
+        self.leave()
+        self.take(mine.gate)
+
     def _next(self) -> _Waiting | None:
         for one in self._waiting:
-            if one.until <= self.now or one.ready():
+            signalled = bool(self._signals) and one.thread == self._main
+            if one.until <= self.now or signalled or one.ready():
                 return one
         return None
 
