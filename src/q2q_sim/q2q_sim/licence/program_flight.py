@@ -32,7 +32,7 @@ from q2q_sim.licence.program_process.cooperative_scheduler import CooperativeSch
 from q2q_sim.licence.program_process.last_lines import LastLines
 from q2q_sim.licence.program_process.link_host import LinkHost
 from q2q_sim.licence.program_process.patched_signals import replace_signals
-from q2q_sim.licence.program_process.patched_threading import patch_threading, watch_main_thread
+from q2q_sim.licence.program_process.patched_threading import patch_threading, watch_threads
 from q2q_sim.licence.program_process.program_lines import error_in, waiting_lines
 from q2q_sim.licence.program_process.simulator_errors import SimulatorFailure, end_by, is_of_room
 from q2q_sim.licence.room.licence_log import LicenceLog, ProgramEnd, escaped
@@ -76,7 +76,7 @@ class _Flight:
         signal.setitimer(signal.ITIMER_REAL, self._order.timeout, LOOK_S)
         threading.excepthook = self._note_thread
         self._watch_callbacks()
-        watch_main_thread(self._scheduler)
+        watch_threads(self._scheduler)
         replace_signals(self._scheduler)
         atexit._clear()  # noqa: SLF001  those of the process that this one was forked from
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))

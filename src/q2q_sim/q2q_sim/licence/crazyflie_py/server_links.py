@@ -44,12 +44,14 @@ class ServerLinks:
 
     def send(self, number: int, packet: Packet) -> None:
         """Send a packet to a vehicle by a call of the program."""
+        self._host.scheduler.resume()
         self._host.room.opened.append(self._links[number].vehicle)
         self._enqueue(number, packet, self._host.sender)
         self._host.scheduler.spend(CALL_S)
 
     def broadcast(self, packet: Packet) -> None:
         """Send a packet to all vehicles at once by a call of the program."""
+        self._host.scheduler.resume()
         now, sender = self.now, self._host.sender
         for number, link in enumerate(self._links):
             if self._host.room.silent_until(link.vehicle, now) <= now + BROADCAST_S:

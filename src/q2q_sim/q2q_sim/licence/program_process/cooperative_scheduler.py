@@ -5,6 +5,9 @@ the room, whichever is first, and the thread that waited last flies the tick. Th
 waiting whose condition holds, or whose deadline has come, takes the turn. The order of all events is
 therefore the same on any machine, and computing takes no time.
 
+A thread that computes for long without waiting has its turn taken by the main thread (spend_for_holder). It
+goes on computing, as Python threads cannot be stopped, and takes its turn again at its next call (resume).
+
 Python runs handlers of signals in the main thread, whoever has the turn. They run in it when it has the turn,
 and end its waiting, as they end a sleep of Python.
 """
@@ -62,11 +65,14 @@ class CooperativeScheduler:
         self._tick, self._ticks = tick, 0
         self._waiting: list[_Waiting] = []
         self._main = self.holder
+        self._owed: dict[int, Gate] = {}
+        """Gates of threads whose turn was taken while they computed."""
         self._signals: list[Callable[[], object]] = []
         """Handlers of signals that wait for the main thread's turn."""
 
     def wait(self, ready: Callable[[], bool], until: float = math.inf) -> bool:
         """Give up the turn until a condition holds or a time [s] has come; return whether it holds."""
+        self.resume()
         self._hand_on(ready, until)
         while self._signals and self.holder == self._main:
             self._signals.pop(0)()
@@ -87,6 +93,7 @@ class CooperativeScheduler:
 
     def enter(self) -> Gate:
         """Return the gate of a new thread, which takes its turn before it does anything."""
+        self.resume()
         mine = _Waiting(always, math.inf)
         self._waiting.append(mine)
         return mine.gate
@@ -109,11 +116,30 @@ class CooperativeScheduler:
 
     def spend(self, seconds: float) -> None:
         """Advance the clock of the thread that has the turn; others go first where they are due."""
+        self.resume()
         after = self.now + seconds
         if after < self._due():
             self.now = after
         else:
             self.wait(never, after)
+
+    @property
+    def computes_on(self) -> bool:
+        """Return whether the thread that has the turn has computed since its turn was taken."""
+        return self.holder in self._owed
+
+    def spend_for_holder(self, seconds: float) -> None:
+        """Spend time [s] for the thread that has the turn and computes, by the main thread, which waits."""
+        mine = _Waiting(never, self.now + seconds, self.holder)
+        self._owed[self.holder] = mine.gate
+        self._waiting.append(mine)
+        self.leave()
+
+    def resume(self) -> None:
+        """Wait for the turn of the calling thread if it was taken while it computed."""
+        gate = self._owed.pop(_thread.get_ident(), None) if self._owed else None
+        if gate is not None:
+            self.take(gate)
 
     def _hand_on(self, ready: Callable[[], bool], until: float) -> None:
         """Give up the turn and take it again."""

@@ -38,6 +38,7 @@ class EmulatedDriver:
         if uri.partition("://")[0] not in SCHEMES:
             raise WrongUriType(f"not the URI of a vehicle: {uri}")
         self.uri = uri
+        self.host.scheduler.resume()
         link = self._link = OpenLink(self.host.vehicle_of(uri))
         self.host.room.opened.append(link.vehicle)
         self.host.room.keep_alive(link)

@@ -46,6 +46,7 @@ class LinkHost:
 
     def send(self, link: OpenLink, datagram: bytes) -> None:
         """Send a packet to a vehicle; returns after the time that it takes."""
+        self.scheduler.resume()
         passes = self.room.silent_until(link.vehicle, self.scheduler.now)
         if passes == float("inf"):
             return

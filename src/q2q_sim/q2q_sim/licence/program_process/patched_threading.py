@@ -7,8 +7,8 @@ Not replaced: other waiting for sockets, processes, and waiting inside C code, d
 program stands still. Processes of `multiprocessing` are refused: in them cflib would look for real radios on
 the real clock.
 
-A main thread that computes for BUSY_S of processor time without waiting, such as a loop that waits for a
-variable, spends that time on the clock and lets the other threads go on.
+A thread that computes for BUSY_S of processor time without waiting, such as a loop that waits for a variable,
+spends that time on the clock and lets the other threads go on.
 """
 
 import _thread
@@ -16,6 +16,7 @@ import math
 import queue
 import selectors
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from multiprocessing.process import BaseProcess
@@ -26,7 +27,9 @@ from q2q_sim.licence.program_process.cooperative_scheduler import CooperativeSch
 from q2q_sim.licence.program_process.patched_time import replace_clocks
 
 BUSY_S = 0.2
-"""Processor time between two looks at the main thread [s]."""
+"""Processor time between two looks at the thread that has the turn [s]."""
+SWITCH_S = 5e-4
+"""Longest time for which Python runs one of two threads that compute [s]."""
 
 _start_thread = _thread.start_new_thread
 
@@ -55,6 +58,7 @@ class PatchedLock:
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """Acquire the lock, as threading.Lock does."""
+        self.scheduler.resume()
         if self._held and blocking:
             until = float("inf") if timeout < 0 else self.scheduler.now + timeout
             self.scheduler.wait(self._free, until)
@@ -106,10 +110,12 @@ def _replace_threads(scheduler: CooperativeScheduler) -> None:
         gate = scheduler.enter()
 
         def body() -> None:
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPROF})  # looks are for the main thread
             scheduler.take(gate)
             try:
                 run(*args)
             finally:
+                scheduler.resume()
                 ended = ends.pop(_thread.get_ident(), None)
                 if ended is not None and ended.locked():
                     ended.release()
@@ -139,17 +145,18 @@ def _replace_selectors(scheduler: CooperativeScheduler) -> None:
     setattr(selectors.DefaultSelector, "select", select)  # noqa: B010
 
 
-def watch_main_thread(scheduler: CooperativeScheduler) -> None:
-    """Let time pass while the calling thread computes from now on; not while cflib is imported before."""
+def watch_threads(scheduler: CooperativeScheduler) -> None:
+    """Let time pass while a thread computes from now on; not while cflib is imported before."""
     main = _thread.get_ident()
     seen = -1
 
     def look(_: int, __: FrameType | None) -> None:
         nonlocal seen
-        computing = not scheduler.handing_on and scheduler.given == seen and scheduler.holder == main
-        if computing:
-            scheduler.spend(BUSY_S)
+        if not scheduler.handing_on and (scheduler.given == seen or scheduler.computes_on):
+            spend = scheduler.spend if scheduler.holder == main else scheduler.spend_for_holder
+            spend(BUSY_S)
         seen = scheduler.given
 
+    sys.setswitchinterval(SWITCH_S)
     signal.signal(signal.SIGPROF, look)
     signal.setitimer(signal.ITIMER_PROF, BUSY_S, BUSY_S)
