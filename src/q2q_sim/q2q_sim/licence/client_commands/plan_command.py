@@ -40,7 +40,8 @@ PLAN_NAMES: dict[int, str] = {
 def planned_command(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:
     """Return what the packet of a command asks for, after the firmware has answered."""
     number, fields = data[0], data[1:]
-    refused = _refusal(answers, firmware)
+    result = answers[-1].data[3] if answers and len(answers[-1].data) > 3 else PlannerResult.OK
+    refused = _refusal(result, firmware)
     if number not in _UNMASKED and not _is_addressed(fields[:1], firmware):
         return Asked(CommandKind.OTHER, f"{PLAN_NAMES.get(number, 'command')} for another group")
     if number == HighLevel.STOP:
@@ -50,8 +51,8 @@ def planned_command(data: bytes, answers: list[Packet], firmware: Firmware) -> A
     if number in _GO_TO:
         return _go_to(number, fields, refused)
     if number in (*_STARTS, *_OTHER_PLANS):
-        starts = number in _STARTS and not refused
-        absent = absent_trajectory(fields[_STARTS[number]], firmware) if starts else ""
+        starts = number in _STARTS and firmware.supervisor.may_fly
+        absent = absent_trajectory(fields[_STARTS[number]], result, firmware) if starts else ""
         return Asked(CommandKind.PLAN, PLAN_NAMES[number], refused=refused, impossible=absent)
     return Asked(CommandKind.OTHER, PLAN_NAMES.get(number, "unknown command"))
 
@@ -88,9 +89,8 @@ def _go_to(number: int, fields: bytes, refused: str) -> Asked:
     return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw_rad=yaw, refused=refused)
 
 
-def _refusal(answers: list[Packet], firmware: Firmware) -> str:
+def _refusal(result: int, firmware: Firmware) -> str:
     """Return why a command of the high-level commander has no effect; empty if it has."""
-    result = answers[-1].data[3] if answers and len(answers[-1].data) > 3 else PlannerResult.OK
     if not firmware.supervisor.may_fly:
         return grounded(firmware)
     if result != PlannerResult.OK:
