@@ -24,7 +24,7 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.faults.faults import late_fault_notes, no_size_notes
 from q2q_sim.flight_bag.scenario_facts import scenario_facts
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
-from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of, ignore_accelerometers
+from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of
 from q2q_sim.monitors.policies import RecordedSignal
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import in_another_air
@@ -143,4 +143,4 @@ def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks
     checked = CheckedController(own, flown.vehicle)
     guarded = Guard(checked, FallbackParams(), flown.vehicle.hover_thrust)
     guarded.reset()  # what the user's object has learned in a flight before
-    return replace(blocks, controller=guarded, sense=ignore_accelerometers)
+    return replace(blocks, controller=guarded, sense=checked.sense)

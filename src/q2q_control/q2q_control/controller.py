@@ -2,7 +2,7 @@
 
 from typing import Protocol, runtime_checkable
 
-from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
 
 
 @runtime_checkable
@@ -19,3 +19,11 @@ class Controller(Protocol):
 
     def reset(self) -> None:
         """Forget all memory: integrals, warm starts, last commands."""
+
+
+@runtime_checkable
+class SensingController(Controller, Protocol):
+    """Controller that also takes inertial sensors."""
+
+    def sense(self, imu: SwarmImu) -> None:
+        """Take the accelerometers and gyroscopes of a tick, after its command."""

@@ -12,7 +12,7 @@ from traceback import walk_tb
 
 import numpy as np
 
-from q2q_control.controller import Controller
+from q2q_control.controller import Controller, SensingController
 from q2q_model.own_class import error_line
 from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.stamps import SAME_STAMP
@@ -24,6 +24,7 @@ from q2q_model.signals.values import (
     Names,
     Status,
     SwarmCommand,
+    SwarmImu,
     SwarmSetpoint,
     SwarmState,
     index_of,
@@ -49,6 +50,7 @@ class CheckedController:
     def __init__(self, controller: Controller, vehicle: Vehicle) -> None:
         """Take a controller and the vehicle that it flies."""
         self._controller = controller
+        self._unsensed: ControllerOutputError | None = None
         self._name = f"controller {type(controller).__module__}:{type(controller).__qualname__}"
         self._bounds: Mapping[str, tuple[float, str]] = {
             "thrust": (LARGEST_THRUST * vehicle.thrust_max, "N"),
@@ -57,8 +59,23 @@ class CheckedController:
             "yaw_rate": (LARGEST_YAW_RATE, "rad/s"),
         }
 
+    @property
+    def senses(self) -> bool:
+        """Return whether the class takes inertial sensors."""
+        return isinstance(self._controller, SensingController)
+
+    def sense(self, imu: SwarmImu) -> None:
+        """Give inertial sensors to the class if it takes them; its error is raised by the next update."""
+        if not isinstance(self._controller, SensingController):
+            return
+        try:
+            self._controller.sense(own_copy(imu))
+        except Exception as error:  # noqa: BLE001  of a user's class
+            self._unsensed = self._failed("sense", error)
+
     def reset(self) -> None:
         """Reset the controller."""
+        self._unsensed = None
         try:
             self._controller.reset()
         except Exception as error:
@@ -68,6 +85,9 @@ class CheckedController:
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
     ) -> SwarmCommand:
         """Return the controller's command, in the order of the setpoint's vehicles."""
+        if self._unsensed is not None:
+            unsensed, self._unsensed = self._unsensed, None
+            raise unsensed
         felt = None if interference is None else own_copy(interference)
         try:
             command = self._controller.update(own_copy(state), own_copy(setpoint), felt)

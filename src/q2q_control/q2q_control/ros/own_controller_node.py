@@ -1,7 +1,8 @@
 """Controller of your own: `state`, `reference_safe` and (if aware) `interference` in, `command` out.
 
 The parameter `controller` names a class with the methods of `q2q.Controller`, which is made with the vehicle
-type as its only argument. Its module is searched for in the current folder, too:
+type as its only argument. If it has a method `sense`, it also gets `imu`. Its module is searched for in the
+current folder, too:
 `--ros-args -p controller:=my_module:MyController`. See docs/tutorials/own_controller.md.
 
 The class is tried on a few ticks before the flight. When it raises an error in flight, or returns a command
@@ -17,6 +18,7 @@ from rclpy.node import Node
 from q2q_control.own_controller.checked_controller import ControllerOutputError
 from q2q_control.own_controller.find_controller import find_controller
 from q2q_control.own_controller.level_on_error import LevelOnError
+from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.node_parameters import declare
@@ -51,6 +53,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     wiring, guarded = wire_controller(node, own, vehicle, block)
     wiring.warm_up(checked.update, checked.reset, own.vehicles)
     wiring.warm_up(guarded.update, guarded.reset, own.vehicles)
+    if checked.senses:
+        receive_accelerometers(node, checked.sense, wiring.health)
     if isinstance(block, LevelOnError):
         wiring.after_publish(_ErrorReport(node, block, wiring.health).update)
     wiring.start(guarded.update if own.live else _ending(guarded.update))

@@ -1,5 +1,6 @@
 """Controllers of users' classes: lookup by name, and the failsafe while one fails."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from q2q_control.own_controller.checked_controller import CheckedController, Con
 from q2q_control.own_controller.find_controller import ControllerClassError, find_controller
 from q2q_control.own_controller.level_on_error import LevelOnError
 from q2q_control.own_controller.pd_example import PdExample
-from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_control.own_controller.sensing_example import SensingExample
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 EXAMPLE = "q2q_control.own_controller.pd_example"
@@ -96,6 +98,52 @@ def test_while_it_fails_vehicles_are_levelled_and_then_landed() -> None:
     assert (made[115].status == LAND).all()
     np.testing.assert_allclose(made[10].thrust, HOVER, rtol=0.02)
     assert "KeyError" in own.error
+
+
+class Sensing(PdExample):
+    """Controller that adds the vertical specific force of the last tick to its thrust [N]."""
+
+    felt: float = 0.0
+
+    def sense(self, imu: SwarmImu) -> None:
+        """Keep the specific force of the first vehicle, or fail."""
+        if imu.t > 0.015:
+            raise RuntimeError("no bias")
+        self.felt = float(imu.specific_force_body[0, 2])
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the command."""
+        command = super().update(state, setpoint, interference)
+        return replace(command, thrust=command.thrust + 1e-3 * self.felt)
+
+
+def test_a_class_with_sense_gets_inertial_sensors_and_its_error_ends_the_next_update() -> None:
+    controller = CheckedController(Sensing(CRAZYFLIE_2_0), CRAZYFLIE_2_0)
+    before = controller.update(state_at(0.0), setpoint_at(0.0), None)
+    force = np.array([[0.0, 0.0, 9.0], [0.0, 0.0, 9.8]])
+    controller.sense(SwarmImu(0.0, setpoint_at(0.0).names, force, np.zeros((2, 3))))
+    after = controller.update(state_at(0.01), setpoint_at(0.01), None)
+    np.testing.assert_allclose(after.thrust - before.thrust, 9e-3, rtol=1e-9)
+    controller.sense(SwarmImu(0.02, setpoint_at(0.0).names, force, np.zeros((2, 3))))
+    with pytest.raises(ControllerOutputError, match="sense raised RuntimeError: no bias"):
+        controller.update(state_at(0.03), setpoint_at(0.03), None)
+    assert controller.senses
+    assert not CheckedController(PdExample(CRAZYFLIE_2_0), CRAZYFLIE_2_0).senses
+
+
+def test_the_sensing_example_finds_what_the_air_does() -> None:
+    """Accelerometers show 1.5 m/s^2 less than the thrust: after five time constants that is compensated."""
+    own, vehicle = SensingExample(CRAZYFLIE_2_0), CRAZYFLIE_2_0
+    rotors = np.full(2, HOVER)  # thrust after the lag [N]
+    for k in range(75):
+        command = own.update(state_at(k * TICK), setpoint_at(k * TICK), None)
+        rotors += (1.0 - np.exp(-TICK / vehicle.thrust_lag)) * (command.thrust - rotors)
+        felt = np.zeros((2, 3))
+        felt[:, 2] = rotors / vehicle.mass - [1.5, 0.0]
+        own.sense(SwarmImu(k * TICK, command.names, felt, np.zeros((2, 3))))
+    np.testing.assert_allclose(command.thrust - HOVER, [1.5 * vehicle.mass, 0.0], rtol=0.02, atol=1e-9)
 
 
 def test_valid_commands_are_flown_again_after_an_error() -> None:

@@ -215,7 +215,8 @@ def _controller(
         mpc = Mpc(mpc_params(scenario, limited=choices.limited), scenario.vehicle, known.model, setup)
         return mpc, mpc.sense
     if choices.controller not in CONTROLLERS:
-        return find_controller(choices.controller, scenario.vehicle), ignore_accelerometers
+        own = find_controller(choices.controller, scenario.vehicle)
+        return own, own.sense
     params = pid_params(scenario, limited=choices.limited)
     if known.residual_process is None:
         return Pid(params, scenario.vehicle), ignore_accelerometers

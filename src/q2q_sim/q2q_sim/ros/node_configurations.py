@@ -15,7 +15,7 @@ from q2q_sim.scenarios import library
 VEHICLE = "cf1"
 """Example vehicle in the names of topics."""
 SCENARIO = "table6"
-OWN_EXAMPLE = "q2q_control.own_controller.pd_example:PdExample"
+SENSING_EXAMPLE = "q2q_control.own_controller.sensing_example:SensingExample"
 
 Configuration = dict[str, ParameterValue]
 
@@ -57,8 +57,8 @@ def _flying_configurations() -> dict[str, list[Configuration]]:
             {"aware": True, "live": True, "correct": True},
         ],
         "own_controller": [
-            {"controller": OWN_EXAMPLE, "aware": True},
-            {"controller": OWN_EXAMPLE, "aware": False},
+            {"controller": SENSING_EXAMPLE, "aware": True},
+            {"controller": SENSING_EXAMPLE, "aware": False},
         ],
         "mpc": [
             of_one | {"correct": False, "distributed": False},
