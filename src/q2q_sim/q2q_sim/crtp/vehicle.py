@@ -6,7 +6,8 @@ message when another appears. Malformed, short, non-finite or unknown packets ar
 reason, without effect.
 
 The firmware locks after an emergency stop or a watchdog's shutdown until a reboot. Here it reboots when all
-clients have gone, or when one sends the radio's reboot command (0xFF, 0xFE, 0x03 or 0xF0).
+clients have gone, or when one sends the radio's reboot command (0xFF, 0xFE, 0x03 or 0xF0). The command
+0x01 or 0x02 turns the firmware off until then.
 """
 
 from collections.abc import Callable, Hashable
@@ -33,7 +34,7 @@ SILENCE_MS = 1000
 """RADIO_ACTIVITY_TIMEOUT_MS of the firmware, after which logs to a client end."""
 MOST_CLIENTS = 8
 """Largest number of clients; a new one replaces the one silent for longest."""
-RADIO, POWER_UP, RESET = 0xFE, 0x03, 0xF0
+RADIO, ALL_OFF, POWER_DOWN, POWER_UP, RESET = 0xFE, 0x01, 0x02, 0x03, 0xF0
 """cflib: utils/power_switch.py."""
 LOCAL = "local"
 """Client in the same process, without a network."""
@@ -79,6 +80,7 @@ class CrtpVehicle:
         self.refusals = Refusals()
         self.displaced = 0
         """Clients that got nothing more because another came."""
+        self._off = False
         self._sessions: dict[Hashable, _Session] = {}
 
     @property
@@ -92,6 +94,8 @@ class CrtpVehicle:
             return [NULL]
         if len(datagram) > 2 and datagram[0] >= 0xF0 and datagram[1] == RADIO:
             return self._radio_command(datagram)
+        if self._off:
+            return []
         try:
             answers = self._serve(packet_of(datagram), client)
         except MalformedError as refusal:
@@ -149,7 +153,8 @@ class CrtpVehicle:
             self.firmware.boot()
 
     def _radio_command(self, datagram: bytes) -> list[bytes]:
-        if datagram[2] in {POWER_UP, RESET}:
+        if datagram[2] in {ALL_OFF, POWER_DOWN, POWER_UP, RESET}:
+            self._off = datagram[2] in {ALL_OFF, POWER_DOWN}
             self.firmware.boot()
             self._sessions.clear()
         return [NULL]

@@ -124,14 +124,16 @@ def test_what_vehicles_refuse_is_reported_with_its_count_and_cause_until_they_re
     assert other.refusals.count == 0  # its packets were taken
 
 
-def test_the_radios_reboot_command_starts_a_locked_vehicle_anew(grounded: CflibFleet) -> None:
+def test_the_radios_commands_turn_a_locked_vehicle_off_and_start_it_anew(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     vehicle.handle(b"\x9d\x03")
     grounded.fly(0.2)
     assert vehicle.firmware.supervisor.state == State.LOCKED
+    assert vehicle.handle(b"\xfc\x00") == [b"\xfc\x00"]
     assert vehicle.handle(b"\xff\xfe\x02") == [b"\xff"]
-    assert vehicle.firmware.supervisor.state == State.LOCKED
+    assert vehicle.handle(b"\xfc\x00") == []  # it is off
     vehicle.handle(b"\xff\xfe\x03")
+    assert vehicle.handle(b"\xfc\x00") == [b"\xfc\x00"]
     grounded.fly(0.4)
     assert vehicle.firmware.supervisor.state == State.READY_TO_FLY
 

@@ -17,6 +17,7 @@ from q2q_sim.crtp.ports import (
     platform,
     supervisor_port,
 )
+from q2q_sim.crtp.vehicle import ALL_OFF, POWER_DOWN, POWER_UP, RADIO, RESET
 from q2q_sim.firmware.commander.planner import PlanState
 from q2q_sim.firmware.commander.setpoint import STOP, Mode
 from q2q_sim.firmware.firmware import Firmware
@@ -40,6 +41,13 @@ _ARMS = (
     (Port.PLATFORM, platform.COMMAND, bytes([platform.ARM])),
 )
 """Commands to the supervisor: port, channel and first byte."""
+_POWER_NAMES = {
+    ALL_OFF: "power-down",
+    POWER_DOWN: "power-down",
+    POWER_UP: "power-up, a reboot",
+    RESET: "reboot",
+}
+"""Commands to the radio, each of which stops the motors."""
 LIFTING = CRAZYFLIE_2_0.hover_thrust * MASS_THRUST
 """Thrust of the weight of the vehicles that fly [PWM] (licence_room): less tests motors on the floor, or is
 meant for a lighter vehicle."""
@@ -58,6 +66,8 @@ def client_command(packet: Packet, answers: list[Packet], firmware: Firmware) ->
             asked = _setpoint(firmware)
         case Port.HIGH_LEVEL if packet.data:
             asked = planned_command(packet.data, answers, firmware)
+        case Port.LINK if packet.data[:1] == bytes([RADIO]):
+            asked = _powered(packet)
         case Port.MEMORY if packet.channel == memory.WRITE:
             flown = overwritten_trajectory(packet.data, firmware)
             asked = Asked(CommandKind.OTHER, "upload", impossible=flown) if flown else None
@@ -110,6 +120,12 @@ def malformed_command(packet: Packet) -> Asked | None:
     words = PLAN_NAMES.get(packet.data[0], "command") if plan else "setpoint"
     kind = CommandKind.PLAN if plan else CommandKind.SETPOINT
     return Asked(kind, words, refused="a number is not finite", impossible="a number that is not finite")
+
+
+def _powered(packet: Packet) -> Asked | None:
+    """Return the command of cflib's PowerSwitch in a packet to the radio; None if it has no effect."""
+    number = packet.data[1] if len(packet.data) > 1 else 0
+    return Asked(CommandKind.OFF, _POWER_NAMES[number]) if number in _POWER_NAMES else None
 
 
 def _supervised(packet: Packet) -> Asked | None:

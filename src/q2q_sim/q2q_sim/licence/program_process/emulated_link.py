@@ -73,8 +73,8 @@ class EmulatedDriver:
         return "emulated vehicles"
 
     def get_name(self) -> str:
-        """Return the name of the driver."""
-        return "radio"
+        """Return the name of the driver; of one named "radio", PowerSwitch would look for the real radio."""
+        return "emulated"
 
     def scan_interface(self, address: int | None = None) -> list[list[str]]:
         """Return the URIs of the vehicles in reach, all or that of an address."""
