@@ -41,6 +41,14 @@ def test_motors_that_a_watchdog_stops_are_blamed_on_its_last_feeding(tmp_path: P
     assert flight.findings[0].t == pytest.approx(last + 1.0, abs=0.05)  # the supervisor looks every 0.04 s
 
 
+def test_a_vehicle_that_a_watchdog_locks_just_above_the_floor_fails(tmp_path: Path) -> None:
+    flight = fed(tmp_path, "watchdog(); commander.takeoff(1.0, 2.0); time.sleep(2.5)")
+    (found,) = flight.findings
+    assert found.rule == "locked"
+    assert found.what.startswith("the supervisor locks cf1 at a height of 0.")
+    assert found.why.startswith("no other came for 1 s after feeding of the emergency stop watchdog at ")
+
+
 def test_a_vehicle_that_a_watchdog_has_locked_on_the_floor_is_not_armed_for_that_reason(
     tmp_path: Path,
 ) -> None:

@@ -4,6 +4,7 @@
 |---|---|
 | motors | the motors stop for `stopped_s` more than `drop` above the floor |
 | landing | a vehicle reaches the floor faster than `landing` |
+| locked | the supervisor locks it in the air, or before it is asked to fly again; not above `drop` |
 | room | it leaves the room, or a command or part of a plan leads out, as more than `depth` below the floor |
 | collision | two vehicles touch, within `gap` of each other; only a remark if one has lost its link |
 | downwash | two fly within an ellipsoid of `beside` and `below` for `exposed_s`; nominal flight only |
@@ -41,6 +42,7 @@ from q2q_sim.licence.rules.command_rules import (
 from q2q_sim.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.licence.rules.motion_rules import (
     landing_rule,
+    locked_rule,
     motors_rule,
     room_rule,
     spin_rule,
@@ -51,8 +53,8 @@ from q2q_sim.licence.rules.pair_rules import nearness
 LicenceRule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
 
 RULES: tuple[LicenceRule, ...] = (
-    motors_rule, landing_rule, room_rule, tumble_rule, setpoints_rule, spin_rule, yaw_rule, command_rule,
-    end_rule, idle_rule,
+    motors_rule, landing_rule, locked_rule, room_rule, tumble_rule, setpoints_rule, spin_rule, yaw_rule,
+    command_rule, end_rule, idle_rule,
 )  # fmt: skip
 """Rules of one vehicle."""
 

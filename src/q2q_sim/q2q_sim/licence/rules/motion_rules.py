@@ -1,4 +1,4 @@
-"""Rules of how one vehicle moves: motors, landing, room, tumble, spin."""
+"""Rules of how one vehicle moves: motors, landing, locked, room, tumble, spin."""
 
 import math
 
@@ -7,14 +7,20 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.firmware.supervisor.rules import State
-from q2q_sim.licence.client_commands.client_command import Asked
-from q2q_sim.licence.room.licence_log import LicenceLog
+from q2q_sim.licence.client_commands.client_command import (
+    FLIGHT,
+    Asked,
+    ClientCommand,
+    CommandKind,
+)
+from q2q_sim.licence.room.licence_log import AIRBORNE, LicenceLog
 from q2q_sim.licence.rules.broken_rule import (
     BrokenRule,
     broken_at,
     first_lasting_tick,
     first_tick,
 )
+from q2q_sim.licence.rules.licence_causes import SHUT, failure_cause
 from q2q_sim.licence.rules.licence_limits import LicenceLimits
 
 GROUND = 0.01
@@ -46,6 +52,42 @@ def landing_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule
         return f"{log.name(row)} hits the floor at {-climb[tick - 1 : tick + 1].min():.1f} m/s"
 
     return broken_at(log, row, "landing", first_tick(hit), what)
+
+
+def locked_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    """Return where the supervisor locks a vehicle in the air, or on the floor before it is to fly again.
+
+    Not by an emergency stop of the program, nor above `drop`, where motors_rule judges.
+    """
+    shut = np.isin(log.state[:, row], list(SHUT))
+    tick = first_tick(shut)
+    if tick < 1 or log.pos[tick, row, 2] > limits.drop:
+        return None
+    t = float(log.t[tick])
+    if log.last(row, t, lambda one: one.asked.kind == CommandKind.EMERGENCY):
+        return None
+    ignored = _ignored_while(log, row, shut)
+    cut = log.airborne[tick - 1, row] and log.running[tick - 1, row]
+    if not cut and (ignored is None or not log.flew[row]):  # one that never flew is idle
+        return None
+    what = f"the supervisor locks {log.name(row)} at a height of {log.pos[tick, row, 2]:.2f} m"
+    then = f", and it does not follow {ignored.words}" if ignored else ""
+    return BrokenRule("locked", t, f"{what}{then}", failure_cause(log, row, t + log.tick))
+
+
+def _ignored_while(log: LicenceLog, row: int, shut: Mask) -> ClientCommand | None:
+    """Return the first command that asks a vehicle to rise while it is shut, (T,); None if there is none."""
+    for one in log.of(row):
+        before = int(np.searchsorted(log.t, one.t, side="right")) - 1
+        if before >= 0 and shut[before] and _asks_to_rise(one.asked):
+            return one
+    return None
+
+
+def _asks_to_rise(asked: Asked) -> bool:
+    """Return whether a vehicle on the floor is asked to fly; a landing does not ask for it."""
+    lands = asked.pos is not None and asked.pos[2] <= AIRBORNE
+    return asked.kind in FLIGHT and asked.lifts and not lands
 
 
 def room_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
