@@ -16,6 +16,7 @@ import numpy as np
 from q2q_model.counted import counted
 from q2q_model.flights.tables.table_vehicles import AXES, vehicle_prefixes
 from q2q_model.flights.units_and_frames.unit_check import check_metres
+from q2q_model.flights.units_and_frames.velocity_check import check_velocities
 from q2q_model.geometry.rotations import normalised, quat_from_euler
 from q2q_model.signals.stamps import END_S
 from q2q_model.signals.values import Array, Mask, Names
@@ -61,7 +62,7 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
 
     Raises ValueError for a table without t or positions or with fewer than two rows, one whose columns can be
     read as those of one vehicle or of several, a time that is negative, not a number or not increasing, or
-    times, positions and angles that are not in s, m and rad.
+    times, positions, velocities and angles that are not in s, m, m/s and rad.
     """
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
@@ -91,7 +92,7 @@ def _is_logged(name: str, column: Array) -> bool:
 
 
 def _check_units(table: FlightTable) -> None:
-    """Raise ValueError for times, positions or angles that are not in s, m or rad, or no stamp can hold."""
+    """Raise ValueError for quantities that are not in s, m, m/s or rad, or times that no stamp can hold."""
     step = float(np.median(np.diff(table.t)))
     if step > LONGEST_STEP:
         raise ValueError(f"t steps by {step:g} s (maximum {LONGEST_STEP:g} s): check that it is in seconds")
@@ -101,6 +102,8 @@ def _check_units(table: FlightTable) -> None:
             "first t from all"
         )
     check_metres(table.names, table.vectors(POS))
+    if table.has(VEL):
+        check_velocities(table.t, table.names, table.vectors(POS), table.vectors(VEL))
     if table.has(REF):
         check_metres(tuple(f"the reference of {name}" for name in table.names), table.vectors(REF))
     if table.has(EULER):
