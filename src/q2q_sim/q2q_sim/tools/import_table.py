@@ -10,7 +10,15 @@ import numpy as np
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
 from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, load_column_map, mapped_table
-from q2q_model.flights.tables.flight_table import ACC, ANGLES, CARRIED, POS, FlightTable, flight_table
+from q2q_model.flights.tables.flight_table import (
+    ACC,
+    ANGLES,
+    CARRIED,
+    POS,
+    FlightTable,
+    attitude,
+    flight_table,
+)
 from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.tables.table_log import log_of
 from q2q_model.flights.tables.table_signals import signals_of
@@ -18,6 +26,7 @@ from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
 from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.flights.units_and_frames.gravity_check import gravity_note
+from q2q_model.flights.units_and_frames.tilt_direction import tilt_direction_reason
 from q2q_model.flights.units_and_frames.up_axis import up_axis_reason
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import Array
@@ -49,7 +58,8 @@ def run(args: Namespace) -> int:
     unseen = table.gap | ~np.isfinite(table.vectors(POS)).all(axis=-1)
     print(f"  {counted(int(unseen.sum()), 'sample')} in gaps of the source: not in /mocap")
     with_gravity = gravity_note(table.t, table.names, table.columns["az"]) if table.has(ACC) else ""
-    for note in filter(None, [*notes, up_axis_reason(table.vectors(POS)), with_gravity]):
+    leans = tilt_direction_reason(table.t, table.names, table.vectors(POS), attitude(table))
+    for note in filter(None, [*notes, up_axis_reason(table.vectors(POS)), leans, with_gravity]):
         print(f"  {note}")
     if not args.vehicle:
         print("  its vehicle is not named; --vehicle names it for the tools that read the bag")

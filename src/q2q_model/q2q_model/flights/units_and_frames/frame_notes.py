@@ -3,6 +3,7 @@
 import numpy as np
 
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.units_and_frames.tilt_direction import tilt_direction_reason
 from q2q_model.flights.units_and_frames.up_axis import up_axis_reason
 from q2q_model.flights.units_and_frames.upright_check import tilt_reason
 
@@ -13,10 +14,14 @@ def frame_notes(flight: Flight) -> list[str]:
 
 
 def axis_notes(flight: Flight) -> list[str]:
-    """Return why z seems not to be up, except in flights of a simulator: for tools that refuse attitudes."""
-    return _noted(
-        flight, up_axis_reason(np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, flight.pos))
-    )
+    """Return why z seems not to be up or attitudes to lean the wrong way, except in flights of a simulator.
+
+    For tools that refuse attitudes that are not upright.
+    """
+    pos = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, flight.pos)
+    quat = np.where(np.isfinite(flight.quat), flight.quat, flight.mocap_quat)
+    leans = tilt_direction_reason(flight.t, flight.names, pos, quat)
+    return [*_noted(flight, up_axis_reason(pos)), *_noted(flight, leans)]
 
 
 def _noted(flight: Flight, reason: str) -> list[str]:
