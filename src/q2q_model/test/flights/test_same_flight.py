@@ -110,8 +110,9 @@ def test_rest_and_constant_velocity_are_no_motion_to_know_a_flight_by() -> None:
 def test_a_part_of_a_flight_of_an_hour_is_known_by_the_windows_that_are_kept() -> None:
     pos = HOVER * np.random.default_rng(2).standard_normal((360_000, 1, 3))
     hour, part = hover(0), hover(0)
-    hour = replace(hour, mocap_pos=pos)
-    part = replace(part, mocap_pos=pos[100_000:160_000])
+    t = np.linspace(0.0, 3599.99, len(pos))
+    hour = replace(hour, t=t, mocap_pos=pos)
+    part = replace(part, t=t[100_000:160_000], mocap_pos=pos[100_000:160_000])
     assert [len(one) for one in motion_windows(pos)] == [WINDOWS_MAX]
     assert is_same_flight(flight_digest(hour), flight_digest(part))
 
@@ -125,7 +126,7 @@ def test_windows_are_read_as_they_were_written() -> None:
 
 def test_windows_of_a_file_that_does_not_part_them_by_vehicle_are_read() -> None:
     flight = hover(0)
-    whole, _, windows = flight_digest(flight).partition(":")
+    whole, windows, _ = flight_digest(flight).split(":")
     pooled = f"{whole}:{as_text((frozenset().union(*from_text(windows)),))}"
     for one in (flight, of_rows(flight, slice(5, None))):
         assert is_same_flight(flight_digest(one), pooled)

@@ -5,6 +5,12 @@ from hashlib import sha256
 
 import numpy as np
 
+from q2q_model.flights.duplicates.height_records import (
+    height_records,
+    heights_as_text,
+    heights_from_text,
+    hold_same_heights,
+)
 from q2q_model.flights.duplicates.motion_windows import as_text, from_text, hold_same_motion, motion_windows
 from q2q_model.flights.flight import Flight
 
@@ -14,28 +20,35 @@ IN_FIT = "a flight of this name is in the fit: if it is this one, it is not held
 
 
 def flight_digest(flight: Flight) -> str:
-    """Return "SHA-256:windows" of a flight, whatever its name is.
+    """Return "SHA-256:windows:heights" of a flight, whatever its name is.
 
-    The SHA-256 is that of vehicles, stamps and recorded positions, the windows are those of motion_windows.
-    A simulated flight, whose true positions are known, has no windows: flights of one seed share their noise.
-    Flights in older files of models and airs have none either.
+    The SHA-256 is that of vehicles, stamps and recorded positions, the windows are those of motion_windows,
+    the heights those of height_records. A simulated flight, whose true positions are known, has neither:
+    flights of one seed share their noise. Flights in older files of models and airs lack heights, or both.
     """
     pos = flight.mocap_pos if np.isfinite(flight.mocap_pos).any() else flight.pos
     found = sha256("\0".join(flight.names).encode())
     for values in (flight.t, np.where(np.isnan(pos), np.nan, pos)):
         found.update((values + 0.0).astype("<f8").tobytes())
-    windows = () if np.isfinite(flight.true_pos).any() else motion_windows(pos)
-    return f"{found.hexdigest()}:{as_text(windows)}"
+    simulated = bool(np.isfinite(flight.true_pos).any())
+    windows = () if simulated else motion_windows(pos)
+    heights = () if simulated else height_records(flight.t, pos)
+    return f"{found.hexdigest()}:{as_text(windows)}:{heights_as_text(heights)}"
 
 
 def is_same_flight(one: str, other: str) -> bool:
     """Return whether two digests are those of one flight, or of a flight and a part of it.
 
     A recorded flight may be cut, moved in time or place, saved in single precision, and its vehicles may be
-    renamed.
+    renamed. One of 10 s or more may also have another rate, be turned about z or mirrored, and have noise.
     """
-    (whole, _, windows), (other_whole, _, other_windows) = one.partition(":"), other.partition(":")
-    return whole == other_whole or hold_same_motion(from_text(windows), from_text(other_windows))
+    whole, windows, heights = [*one.split(":"), "", ""][:3]
+    other_whole, other_windows, other_heights = [*other.split(":"), "", ""][:3]
+    return (
+        whole == other_whole
+        or hold_same_motion(from_text(windows), from_text(other_windows))
+        or hold_same_heights(heights_from_text(heights), heights_from_text(other_heights))
+    )
 
 
 def fit_remarks(flights: Iterable[Flight], names: Sequence[str], digests: Collection[str]) -> dict[str, str]:

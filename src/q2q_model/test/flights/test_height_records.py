@@ -1,0 +1,100 @@
+"""A flight is known by its heights at another rate, turned, mirrored and with noise, and is no other's."""
+
+import os
+from collections.abc import Callable
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from q2q_model.flights.duplicates.height_records import (
+    Heights,
+    height_records,
+    heights_as_text,
+    heights_from_text,
+    hold_same_heights,
+)
+from q2q_model.recordings.recording_reader import recording_of_table
+from q2q_model.signals.values import Array, Rows
+
+DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data"))
+T = np.linspace(0.0, 60.0, 6001)
+
+
+def flight(seed: int, vehicles: int = 2) -> Array:
+    """Return positions of vehicles that deviate by 0.1 m at frequencies of up to 1 Hz, (T, n, 3)."""
+    knots = np.linspace(0.0, 60.0, 121)
+    drawn = 0.1 * np.random.default_rng(seed).standard_normal((knots.size, vehicles, 3))
+    return np.asarray(CubicSpline(knots, drawn)(T))
+
+
+def noisy(pos: Array) -> Array:
+    return pos + 0.001 * np.random.default_rng(9).standard_normal(pos.shape)
+
+
+def kept(pos: Array, rows: Rows | slice) -> Heights:
+    return height_records(T[rows], pos[rows])
+
+
+COPIES: dict[str, Callable[[Array], Heights]] = {
+    "every 4th row": lambda pos: kept(pos, slice(1, None, 4)),
+    "30 % dropped": lambda pos: kept(pos, np.flatnonzero(np.random.default_rng(0).random(T.size) > 0.3)),
+    "cut": lambda pos: kept(pos, slice(2011, 4507, 2)),
+    "turned": lambda pos: kept(pos[..., [1, 0, 2]] * [1.0, -1.0, 1.0] + 0.3, slice(None, None, 2)),
+    "mirrored": lambda pos: kept(pos * [-1.0, 1.0, 1.0], slice(None, None, 2)),
+    "one vehicle": lambda pos: kept(pos[:, 1:], slice(7, None, 2)),
+    "noise": lambda pos: kept(noisy(pos), slice(None)),
+    "later": lambda pos: height_records(T[::3] + 1.7e9, pos[::3]),
+    "a short hole": lambda pos: kept(pos, np.flatnonzero(abs(T - 30.0) > 0.1)),
+}
+
+
+@pytest.mark.parametrize("changed", COPIES.values(), ids=COPIES)
+def test_a_copy_of_a_flight_is_known_by_its_heights_alone(changed: Callable[[Array], Heights]) -> None:
+    known = height_records(T, flight(0))
+    assert hold_same_heights(changed(flight(0)), known)
+    assert hold_same_heights(known, changed(flight(0)))
+    assert not hold_same_heights(changed(flight(1)), known)
+
+
+def test_repetitions_of_one_path_that_differ_by_a_centimetre_are_two_flights() -> None:
+    known = height_records(T, flight(0))
+    assert not hold_same_heights(height_records(T, flight(0) + 0.1 * flight(1)), known)
+    assert hold_same_heights(height_records(T, flight(0) + 0.003 * flight(1)), known)
+
+
+def test_one_vehicle_that_flies_alike_does_not_make_two_flights_the_same() -> None:
+    other = flight(1)
+    other[:, 0] = flight(0)[:, 0]
+    assert not hold_same_heights(height_records(T, other), height_records(T, flight(0)))
+
+
+def test_rest_short_parts_and_parts_that_do_not_overlap_are_not_recognised() -> None:
+    pos = flight(0)
+    assert height_records(T, 0.005 * pos) == ()
+    assert height_records(T, np.full_like(pos, np.nan)) == ()
+    assert kept(pos, slice(0, 900)) == ()
+    assert not hold_same_heights(kept(pos, slice(0, 2900)), kept(pos, slice(3000, None)))
+    assert not hold_same_heights((), height_records(T, pos))
+
+
+def test_records_are_read_as_they_were_written() -> None:
+    records = height_records(T, flight(0))
+    assert [one.size for one in records] == [298, 298]  # 5 a second, less the width of a mean
+    for one, read in zip(records, heights_from_text(heights_as_text(records)), strict=True):
+        np.testing.assert_allclose(read, one, rtol=1e-12)
+    assert heights_from_text("no base64") == ()
+    assert heights_from_text("AAAA") == ()
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")
+def test_repetitions_of_public_flights_are_different_flights_and_half_their_rows_the_same() -> None:
+    files = [*DATA.glob("neural_swarm/dc21_swap_ss_0[1-3].parquet"), *DATA.glob("nanobench/B8*.parquet")]
+    flights = [recording_of_table(file).flight for file in files]
+    assert len(flights) == 5
+    known = [height_records(one.t, one.mocap_pos) for one in flights]
+    for one, own in zip(flights, known, strict=True):
+        assert hold_same_heights(height_records(one.t[1::2], one.mocap_pos[1::2]), own)
+    assert not any(hold_same_heights(*pair) for pair in combinations(known, 2))
