@@ -23,6 +23,7 @@ from q2q_model.identification.jet.held_out_deviation import with_held_out_deviat
 from q2q_model.identification.jet.jet_deviation import Z95
 from q2q_model.identification.jet.jet_fit import fit_to_pushes
 from q2q_model.identification.jet.jet_form import JetForm
+from q2q_model.identification.push.log_mass import log_masses
 from q2q_model.identification.push.push_samples import (
     FEWEST_FREE,
     PushRecord,
@@ -31,7 +32,7 @@ from q2q_model.identification.push.push_samples import (
     residual_of,
     scored_rows,
 )
-from q2q_model.identification.push.recorded_push import log_mass, push_record
+from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual import predicted_residual
 from q2q_model.identification.selection.model_choice import MARGIN
 from q2q_model.recordings.flight_recording import Recording
@@ -108,8 +109,8 @@ def _flight(recording: Recording) -> _Flight:
     if record is None or recording.log is None:
         raise ValueError(f"{recording.flight.name} has no measured push")
     _name_unscored(record)
-    mass = log_mass(recording.log, recording.flight, CRAZYFLIE_2_1)
-    samples, lines = push_samples(record), recording.log.column("fa_ff") / mass
+    masses = log_masses(recording.log, recording.flight, CRAZYFLIE_2_1)
+    samples, lines = push_samples(record), recording.log.column("fa_ff") / masses
     return _Flight(recording.flight.name, samples, [lines[:, one.vehicle] for one in samples])
 
 

@@ -10,12 +10,13 @@ import pytest
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.log_mass import LOG_MASS
 from q2q_model.identification.push.push_samples import (
     PushRecord,
     PushSamples,
     push_samples,
 )
-from q2q_model.identification.push.recorded_push import LOG_MASS, push_of_log
+from q2q_model.identification.push.recorded_push import push_of_log
 from q2q_model.signals.values import Array
 
 DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"

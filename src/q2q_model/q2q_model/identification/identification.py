@@ -19,7 +19,7 @@ from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.jet.loading import loading_of
 from q2q_model.identification.jet.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.log_check import log_notes
-from q2q_model.identification.push.log_mass_note import log_mass_notes
+from q2q_model.identification.push.log_column_note import log_column_notes
 from q2q_model.identification.push.push_samples import push_samples
 from q2q_model.identification.push.rate_check import rate_notes
 from q2q_model.identification.push.recorded_push import lag_note, push_record
@@ -206,9 +206,8 @@ def _push_notes(
     """Return notes on the measured push."""
     used = zip(recordings, data, strict=True) if measures_downwash(data) else ()
     sampled = [one for one, flight in used if flight.pushes]
-    flights = [one.flight for one in recordings]
-    notes = sensor_notes(flights, vehicle) + rate_notes(flights)
-    notes += log_mass_notes(recordings, vehicle) + log_notes(recordings, vehicle)
+    notes = sensor_notes([one.flight for one in recordings], vehicle)
+    notes += log_column_notes(recordings, vehicle) + log_notes(recordings, vehicle)
     return [*notes, *lag_note(sampled, vehicle.thrust_lag)]
 
 

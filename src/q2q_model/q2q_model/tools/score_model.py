@@ -9,7 +9,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.flights.duplicates.same_flight import fit_remarks
 from q2q_model.flights.units_and_frames.frame_notes import axis_notes
 from q2q_model.identification.push.log_check import log_notes
-from q2q_model.identification.push.log_mass_note import log_mass_notes
+from q2q_model.identification.push.log_column_note import log_column_notes
 from q2q_model.identification.push.push_samples import (
     APART,
     FEWEST_FREE,
@@ -53,7 +53,7 @@ def run(args: Namespace) -> int:
     notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
     notes += [note for one in recordings for note in axis_notes(one.flight)]
     notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
-    notes += log_mass_notes(recordings, flown.vehicle) + log_notes(recordings, flown.vehicle)
+    notes += log_column_notes(recordings, flown.vehicle) + log_notes(recordings, flown.vehicle)
     notes += lag_note([one for one in recordings if samples[one.flight.name]], flown.vehicle.thrust_lag)
     for note in notes:
         print(f"evaluate: {note}", file=sys.stderr)

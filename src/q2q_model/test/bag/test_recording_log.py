@@ -9,7 +9,8 @@ import pytest
 from q2q_model.bag import LOG_TOPIC, BagError, BagWriter, write_log_row
 from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.identification.push.recorded_push import LOG_MASS, motion_of, push_of_log
+from q2q_model.identification.push.log_mass import LOG_MASS
+from q2q_model.identification.push.recorded_push import motion_of, push_of_log
 from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_model.signals.values import MocapFrame
 

@@ -9,9 +9,10 @@ from made_flights import GRAVITY, Pass, made_flight
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.push.log_check import log_notes
-from q2q_model.identification.push.log_mass_note import log_mass_notes
-from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.identification.push.log_column_note import log_column_notes
+from q2q_model.identification.push.recorded_push import push_of_sensors, push_record
 from q2q_model.recordings.flight_recording import Recording
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_BRUSHLESS, Vehicle
 
@@ -43,7 +44,7 @@ def test_a_logs_thrust_shows_the_mass_of_its_force(mass: float) -> None:
     record = push_record(logged(mass), CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
     assert record is not None
     np.testing.assert_allclose(record.push, made_flight(PASS).true_eta[..., 2], atol=1e-12)
-    assert log_mass_notes([logged(mass)], CRAZYFLIE_2_0) == []
+    assert log_column_notes([logged(mass)], CRAZYFLIE_2_0) == []
 
 
 def test_a_thrust_that_shows_no_mass_or_an_impossible_one_is_reported() -> None:
@@ -57,13 +58,78 @@ def test_a_thrust_that_shows_no_mass_or_an_impossible_one_is_reported() -> None:
         replace(whole, flight=replace(whole.flight, specific_force_body=scale * felt))
         for scale in (1.0 / GRAVITY, np.nan)
     )
-    assert log_mass_notes([without_thrust(whole)], CRAZYFLIE_2_0) == []
-    (unknown,) = log_mass_notes([whole, unfelt], CRAZYFLIE_2_0)
-    assert "of 1 flight is unknown: faz_est is divided by the 34 g of crazyflie_2_0" in unknown
-    (far,) = log_mass_notes([in_grams], CRAZYFLIE_2_0)
-    assert "of 1 flight is 3.26 kg, expected 0.5 to 2 times the mass of crazyflie_2_0" in far
-    (near,) = log_mass_notes([in_g, in_g], CRAZYFLIE_2_0)
-    assert "of 2 flights is 0.314 kg" in near
+    assert log_column_notes([without_thrust(whole)], CRAZYFLIE_2_0) == []
+    (unknown,) = log_column_notes([whole, unfelt], CRAZYFLIE_2_0)
+    assert "of cf1, cf2 in 1 flight is unknown: faz_est is divided by the 34 g of crazyflie_2_0" in unknown
+    (far,) = log_column_notes([in_grams], CRAZYFLIE_2_0)
+    assert "of cf1, cf2 in 1 flight is 3.26 kg, expected 0.5 to 2 times the mass of crazyflie_2_0" in far
+    again = replace(in_g, flight=replace(in_g.flight, name="again"))
+    (near,) = log_column_notes([in_g, again], CRAZYFLIE_2_0)
+    assert "of cf1, cf2 in 2 flights is 0.314 kg" in near
+
+
+def with_column(one: Recording, column: str, vehicle: int, values: float | Array) -> Recording:
+    """Return a recording whose log has other values in a column of a vehicle."""
+    assert one.log is not None
+    changed = one.log.values.copy()
+    changed[:, vehicle, COLUMNS.index(column)] = values
+    return replace(one, log=replace(one.log, values=changed))
+
+
+def test_each_vehicles_mass_is_that_of_its_own_rows() -> None:
+    """Of 32 and 48 g, the lower one's downwash is not divided by what the other shows."""
+    light, heavy = (logged(mass).log for mass in (0.032, 0.048))
+    assert light is not None
+    assert heavy is not None
+    one = replace(logged(0.032), log=replace(light, values=light.values.copy()))
+    assert one.log is not None
+    one.log.values[:, 1] = heavy.values[:, 1]
+    record = push_record(one, CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    assert record is not None
+    np.testing.assert_allclose(record.push, made_flight(PASS).true_eta[..., 2], atol=1e-12)
+    assert log_column_notes([one], CRAZYFLIE_2_0) == []
+
+
+def test_a_vehicle_that_shows_no_mass_has_that_of_its_type_and_is_named() -> None:
+    one = with_column(logged(0.048), "thrust_est", 0, np.nan)
+    record = push_record(one, CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    assert record is not None
+    scale = np.array([0.048 / CRAZYFLIE_2_0.mass, 1.0])
+    np.testing.assert_allclose(record.push, scale * made_flight(PASS).true_eta[..., 2], atol=1e-12)
+    (unknown,) = log_column_notes([one], CRAZYFLIE_2_0)
+    assert "of cf1 in 1 flight is unknown: faz_est is divided by the 34 g of crazyflie_2_0" in unknown
+
+
+def test_a_vehicle_without_a_force_in_the_log_has_the_push_of_its_sensors_and_is_named() -> None:
+    one = with_column(with_column(logged(0.032), "faz_est", 1, np.nan), "thrust_est", 1, np.nan)
+    one = with_column(one, "gap", 1, np.arange(one.flight.t.size) == 3)
+    whole, lacking = (push_record(each, CRAZYFLIE_2_0, 0.07) for each in (logged(0.032), one))
+    sensed = push_of_sensors(one.flight, CRAZYFLIE_2_0, 0.07)
+    assert whole is not None
+    assert lacking is not None
+    assert sensed is not None
+    np.testing.assert_array_equal(lacking.push[:, 0], whole.push[:, 0])
+    np.testing.assert_array_equal(lacking.push[:, 1], sensed.push[:, 1])
+    assert np.argwhere(~lacking.measured).tolist() == [[3, 1]]
+    assert log_column_notes([one], CRAZYFLIE_2_0) == [
+        "pass: no faz_est of cf2 in the log: push from imu and command, with a thrust lag of 0.07 s"
+    ]
+    felt = one.flight.specific_force_body.copy()
+    felt[:, 1] = np.nan
+    unfelt = replace(one, flight=replace(one.flight, specific_force_body=felt))
+    assert log_column_notes([unfelt], CRAZYFLIE_2_0) == [
+        "pass: no faz_est, or imu and command, of cf2 in the log: no push is known on it, or near it"
+    ]
+
+
+def test_a_vehicle_without_gaps_in_the_log_has_none_and_is_named() -> None:
+    one = with_column(logged(0.032), "gap", 0, np.nan)
+    record = push_record(one, CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    assert record is not None
+    assert record.measured.all()
+    assert log_column_notes([one], CRAZYFLIE_2_0) == [
+        "pass: no gap of cf1 in the log: all its rows count as measured"
+    ]
 
 
 def test_without_it_the_mass_is_that_of_the_vehicle() -> None:

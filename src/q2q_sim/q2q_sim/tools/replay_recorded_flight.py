@@ -17,13 +17,14 @@ from q2q_model.flights.flight_log import log_at
 from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.log_mass import log_masses
 from q2q_model.identification.push.push_samples import (
     PushSamples,
     PushScore,
     pooled_score,
     push_samples,
 )
-from q2q_model.identification.push.recorded_push import log_mass, motion_of, push_of_log
+from q2q_model.identification.push.recorded_push import motion_of, push_of_log
 from q2q_model.recordings.recording_reader import flight_of_bag
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
@@ -49,8 +50,8 @@ def replay_recorded_flight(name: str, model: str, json_file: Path | None) -> int
     at = np.searchsorted(flight.t, log.t)
     seen = motion_of(flight)
     motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
-    mass = log_mass(log_at(log, recorded.t, recorded.names), recorded, vehicle_by_name(DEFAULT_VEHICLE))
-    samples = push_samples(push_of_log(name, log_at(log, log.t, flight.names), motion, mass))
+    masses = log_masses(log_at(log, recorded.t, recorded.names), recorded, vehicle_by_name(DEFAULT_VEHICLE))
+    samples = push_samples(push_of_log(name, log_at(log, log.t, flight.names), motion, masses))
     found = score_prediction(samples, flight.eta[at, :, 2])
     pushes = [
         PredictedPush(flight.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])

@@ -71,8 +71,17 @@ def test_a_row_with_a_lost_value_is_a_gap_and_changes_no_other(flown: Recording,
     )  # the median is of a row less
 
 
-def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Recording) -> None:
-    record = record_of(without(flown, "thrust_est", slice(None)))
+def test_a_vehicle_whose_thrust_is_never_logged_has_that_of_its_command(flown: Recording) -> None:
+    whole = record_of(flown)
+    for lost in (flown, without(flown, "faz_est", slice(None))):  # the push, too, is then that of sensors
+        record = record_of(without(lost, "thrust_est", slice(None)))
+        assert record.measured.all()
+        np.testing.assert_allclose(record.thrust[:, 0], CONSTANT["thrust_cmd"], rtol=1e-12)
+        np.testing.assert_array_equal(record.thrust[:, 1], whole.thrust[:, 1])
+
+
+def test_of_a_vehicle_whose_thrust_is_never_known_nothing_is_measured(flown: Recording) -> None:
+    record = record_of(without(without(flown, "thrust_est", slice(None)), "thrust", slice(None)))
     assert not record.measured[:, 0].any()
     assert record.measured[:, 1].all()  # 1 m away
     assert np.isfinite(record.thrust_ratio[:, 1]).all()

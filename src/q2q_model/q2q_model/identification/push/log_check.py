@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.identification.push.push_samples import FEWEST_FREE, scored_rows
-from q2q_model.identification.push.recorded_push import has_push_columns, push_of_sensors, push_record
+from q2q_model.identification.push.recorded_push import push_log, push_of_sensors, push_record
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
@@ -43,11 +43,12 @@ def _exposed_pushes(one: Recording, vehicle: Vehicle) -> list[Array]:
     """Return the push of the log and that of sensors on exposed rows, (2, k) for every vehicle."""
     sensed = push_of_sensors(one.flight, vehicle, vehicle.thrust_lag)
     logged = push_record(one, vehicle, vehicle.thrust_lag)
-    if one.log is None or not has_push_columns(one.log) or sensed is None or logged is None:
+    log = push_log(one)
+    if log is None or sensed is None or logged is None:
         return []
     found = []
     for i, rows in enumerate(scored_rows(logged)):
-        both = sensed.measured[:, i]
+        both = sensed.measured[:, i] & np.isfinite(log.column("faz_est")[:, i])
         free, exposed = rows.free & both, rows.exposed & both
         if free.sum() >= FEWEST_FREE:
             pushes = np.stack([logged.push[:, i], sensed.push[:, i]])

@@ -15,7 +15,7 @@ at 100 Hz, 4 % at 50 Hz, 10 % at 20 Hz.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,15 +28,12 @@ from q2q_model.flights.interpolated_gaps import interpolate_gaps
 from q2q_model.flights.units_and_frames.upright_check import check_upright
 from q2q_model.geometry.rotations import UP, level_where_unknown, rotate
 from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.log_mass import HEAVIEST, LIGHTEST, log_masses
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, CommandStatus, Mask, Names
-from q2q_model.vehicle.constants import NEURAL_SWARM_MASS, VEHICLE_OPTION, Vehicle
+from q2q_model.vehicle.constants import VEHICLE_OPTION, Vehicle
 
-LOG_MASS = NEURAL_SWARM_MASS
-"""Mass m in the logs of the flights of Neural-Swarm2 [kg]."""
-LOG_MASS_WITHIN = 0.0005
-"""What the mass that such a log shows may differ from LOG_MASS by [kg]: 0.0003 at most."""
 MOST_FORCE = 2.0
 """Bound of what 95 % of the forces in a log differ from their median by, over the weight [-]: 0.03 to 0.3 in
 recorded flights of 34 g, 3.5 to 30 if those are in gram-force."""
@@ -44,13 +41,12 @@ FULL_DUTY = 0.93
 """Duty from which on a motor counts as saturated."""
 DUTY_ROUNDING = 1e-6
 """What a duty of FULL_DUTY may lack: single precision rounds by 3e-8, and a step of PWM is 1.5e-5."""
-LIGHTEST, HEAVIEST = 0.5, 2.0
-"""Bounds of the median thrust in the air, and of the mass of a log, over the vehicle's [-]; 0.92 to 1.3 in
-recorded flights of 34 g."""
 
 
 def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | None:
     """Return a flight's measured push, from its log or its sensors; None if it has neither.
+
+    Vehicles without a force in the log have that of their sensors.
 
     Raises:
         ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, is not
@@ -61,7 +57,9 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
     log = push_log(one)
     if log is not None:
         check_force(one.flight.name, log, vehicle)
-        return push_of_log(one.flight.name, log, motion_of(one.flight), log_mass(log, one.flight, vehicle))
+        masses = log_masses(log, one.flight, vehicle)
+        logged = push_of_log(one.flight.name, log, motion_of(one.flight), masses)
+        return _completed(logged, log, one.flight, vehicle, lag)
     return push_of_sensors(one.flight, vehicle, lag)
 
 
@@ -74,7 +72,7 @@ def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
 
 def push_log(one: Recording) -> FlightLog | None:
     """Return the log of a flight if its push is in there, else None."""
-    return one.log if one.log is not None and has_push_columns(one.log) else None
+    return one.log if one.log is not None and _has_push(one.log) else None
 
 
 class CommandedThrust(NamedTuple):
@@ -109,9 +107,14 @@ def check_thrust(commanded: CommandedThrust, vehicle: Vehicle) -> None:
             )
 
 
-def has_push_columns(log: FlightLog) -> bool:
-    """Return whether a log has what push_of_log reads: the vertical force, its gaps, the motors."""
-    return {"faz_est", "gap", *MOTORS} <= set(log.columns)
+def _has_push(log: FlightLog) -> bool:
+    """Return whether a log has what push_of_log reads: a vertical force, its gaps, the motors."""
+    return {"faz_est", "gap", *MOTORS} <= set(log.columns) and bool(has_values(log, "faz_est").any())
+
+
+def has_values(log: FlightLog, column: str) -> Mask:
+    """Return which vehicles have any value in a column of a log, (n,)."""
+    return np.asarray(np.isfinite(log.column(column)).any(axis=0))
 
 
 def check_force(name: str, log: FlightLog, vehicle: Vehicle) -> None:
@@ -127,36 +130,10 @@ def check_force(name: str, log: FlightLog, vehicle: Vehicle) -> None:
             )
 
 
-def log_mass(log: FlightLog, flight: Flight, vehicle: Vehicle) -> float:
-    """Return the mass m by which the force in a log was computed [kg].
-
-    It is the one that the log shows, or the vehicle's if it shows none or the vehicle cannot have that.
-    """
-    shown = shown_mass(log, flight)
-    if not can_weigh(vehicle, shown):
-        return vehicle.mass
-    return LOG_MASS if abs(shown - LOG_MASS) < LOG_MASS_WITHIN else shown
-
-
-def shown_mass(log: FlightLog, flight: Flight) -> float:
-    """Return the median (faz_est + thrust_est) / (a_z + g) of a log [kg]; NaN without one of these."""
-    if "thrust_est" not in log.columns:
-        return float("nan")
-    felt = rotate(flight.quat, flight.specific_force_body)[..., 2]
-    ratio = (log.column("faz_est") + log.column("thrust_est")) / felt
-    known = ratio[np.isfinite(ratio)]
-    return float(np.median(known)) if known.size else float("nan")
-
-
-def can_weigh(vehicle: Vehicle, mass: float) -> bool:
-    """Return whether a vehicle may have a mass [kg]; False for NaN."""
-    return LIGHTEST <= mass / vehicle.mass <= HEAVIEST
-
-
-def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float) -> PushRecord:
+def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float | Array) -> PushRecord:
     """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion.
 
-    `mass` is m of its force [kg]. Raises ValueError for motors that are neither duties nor PWM.
+    `mass` is m of its force [kg], one for all or (n,).
     """
     force = log.column("faz_est")
     known = np.isfinite(force)
@@ -165,8 +142,29 @@ def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float) -> PushR
         names=log.names,
         motion=motion,
         push=np.where(known, force / mass, 0.0),
-        measured=np.asarray((log.column("gap") == 0.0) & known),
-        saturated=np.asarray(motor_duty(log, name).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
+        measured=~_in_gap(log) & known,
+        saturated=np.asarray(motor_duty(log).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
+    )
+
+
+def _in_gap(log: FlightLog) -> Mask:
+    """Return where a log has a gap, or does not know; nowhere for vehicles without that column, (T, n)."""
+    return np.asarray((log.column("gap") != 0.0) & has_values(log, "gap"))
+
+
+def _completed(
+    logged: PushRecord, log: FlightLog, flight: Flight, vehicle: Vehicle, lag: float
+) -> PushRecord:
+    """Return the push of a log with that of sensors for the vehicles without a force in the log."""
+    forced = has_values(log, "faz_est")
+    sensed = None if forced.all() else push_of_sensors(flight, vehicle, lag)
+    if sensed is None:
+        return logged
+    return replace(
+        logged,
+        push=np.where(forced, logged.push, sensed.push),
+        measured=np.where(forced, logged.measured, sensed.measured & ~_in_gap(log)),
+        saturated=logged.saturated | (sensed.saturated & ~forced),
     )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.duplicates.same_flight import fit_remarks
-from q2q_model.identification.push.log_mass_note import log_mass_notes
+from q2q_model.identification.push.log_column_note import log_column_notes
 from q2q_model.identification.push.push_samples import FEWEST_FREE
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
@@ -41,7 +41,7 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     known = air if isinstance(air, RoomAir) else RoomAir()
     in_fit = fit_remarks((one.flight for one in recordings), known.flights, known.digests)
     remarks = [f"{name}: {remark}" for name, remark in in_fit.items()]
-    for note in remarks + log_mass_notes(recordings, vehicle):
+    for note in remarks + log_column_notes(recordings, vehicle):
         _say(note)
     done = _all_flown(tracked, air, vehicle, args.draws, only=len(recordings) == 1)
     if not done and not single:

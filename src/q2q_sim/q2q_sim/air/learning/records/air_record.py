@@ -16,7 +16,7 @@ from q2q_model.flights.flight_log import MOTORS, motor_duty
 from q2q_model.flights.outliers import repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion
-from q2q_model.identification.push.log_mass_note import log_mass_notes
+from q2q_model.identification.push.log_column_note import log_column_notes
 from q2q_model.identification.push.push_samples import (
     APART,
     FEWEST_FREE,
@@ -25,7 +25,7 @@ from q2q_model.identification.push.push_samples import (
     known_rows,
     push_samples,
 )
-from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.identification.push.recorded_push import has_values, push_record
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
@@ -105,7 +105,7 @@ def air_records(
         vehicle: the vehicle that flew.
         lag: time constant of thrust [s].
     """
-    found, notes = [], log_mass_notes(recordings, vehicle)
+    found, notes = [], log_column_notes(recordings, vehicle)
     for one in recordings:
         record = _record(one, vehicle, lag)
         if record is None:
@@ -145,7 +145,9 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     flight, t = one.flight, one.flight.t
     commanded = np.isfinite(flight.thrust).any(axis=0)
     command = np.where(commanded, first_order_lag(flight.thrust, t, lag), np.nan)
-    thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
+    thrust = command
+    if one.log and THRUST in one.log.columns:
+        thrust = np.where(has_values(one.log, THRUST), one.log.column(THRUST), command)
     specific_force = rotate(flight.quat, flight.specific_force_body)
     gaps = ~np.isfinite(thrust) | _lost(specific_force) | _lost(flight.gyro_body)
     pushes = replace(pushes, measured=pushes.measured & ~gaps)
