@@ -97,6 +97,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/push/log_check.py",
     "q2q_model/identification/push/log_column_note.py",
     "q2q_model/identification/push/log_mass.py",
+    "q2q_model/identification/push/rate_check.py",
     "q2q_model/identification/recorded_altitudes.py",
     "q2q_model/identification/recorded_gains.py",
     "q2q_model/identification/selection/candidate.py",

@@ -76,7 +76,7 @@ def with_cf2(what: str, value: float) -> Change:
             lambda one: replace(one, names=("cf1", "cf1")),
             r"names are \('cf1', 'cf1'\); must be \('cf1', 'cf2'\), in",
         ),
-        (lambda one: replace(one, t=3.0), r"t is 3.0 s; must be that of the setpoint, 0.05 s$"),
+        (lambda one: replace(one, t=3.0), r"t is 3.0; must be that of the setpoint, 0.05 s$"),
         (lambda one: one.thrust, r"update returned a ndarray: return a SwarmCommand$"),
     ],
 )

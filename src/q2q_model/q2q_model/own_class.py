@@ -27,7 +27,10 @@ def own_class(name: str) -> type[object]:
     try:
         found = getattr(_imported(module), wanted, None)
     except (Exception, SystemExit) as error:
-        raise OwnClassError(f"{module} cannot be imported ({error_line(error)})") from error
+        raise OwnClassError(
+            f"{module} cannot be imported ({error_line(error)}); give a module of this folder, {Path.cwd()}, "
+            "or an installed one"
+        ) from error
     if not isinstance(found, type):
         raise OwnClassError(f"{module} has no class {wanted}")
     return found
@@ -35,7 +38,10 @@ def own_class(name: str) -> type[object]:
 
 def error_line(error: BaseException) -> str:
     """Return kind and first line of an error of a user's class; numba's have many lines."""
-    lines = str(error).strip().splitlines()
+    try:
+        lines = str(error).strip().splitlines()
+    except Exception:  # noqa: BLE001  of a user's error
+        lines = []
     return ": ".join([type(error).__name__, *lines[:1]])
 
 

@@ -4,9 +4,11 @@ A law without limits may ask for more than the motors give, and the simulator li
 are those of another unit: grams or m/s^2 for newtons, degrees for radians.
 """
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
 from math import pi
+from numbers import Real
 from pathlib import Path
 from traceback import walk_tb
 
@@ -70,7 +72,7 @@ class CheckedController:
             return
         try:
             self._controller.sense(own_copy(imu))
-        except Exception as error:  # noqa: BLE001  of a user's class
+        except (Exception, SystemExit) as error:  # noqa: BLE001  of a user's class
             self._unsensed = self._failed("sense", error)
 
     def reset(self) -> None:
@@ -78,7 +80,7 @@ class CheckedController:
         self._unsensed = None
         try:
             self._controller.reset()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failed("reset", error) from error
 
     def update(
@@ -91,7 +93,7 @@ class CheckedController:
         felt = None if interference is None else own_copy(interference)
         try:
             command = self._controller.update(own_copy(state), own_copy(setpoint), felt)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failed("update", error) from error
         self._check_tick(command, state, setpoint)
         known = partial(_known, command.names, state, setpoint, interference)
@@ -110,10 +112,13 @@ class CheckedController:
         """Check that it is a command of this tick for its vehicles."""
         if not isinstance(command, SwarmCommand):
             raise self._wrong(f"update returned a {type(command).__name__}: return a SwarmCommand")
-        if not isinstance(command.names, tuple) or sorted(command.names) != sorted(setpoint.names):
+        if not isinstance(command.names, tuple) or Counter(command.names) != Counter(setpoint.names):
             raise self._wrong(f"names are {command.names!r}; must be {setpoint.names}, in any order")
-        if not any(abs(command.t - one.t) < SAME_STAMP for one in (state, setpoint)):
-            raise self._wrong(f"t is {command.t} s; must be that of the setpoint, {setpoint.t} s")
+        t = command.t
+        if not isinstance(t, Real) or not any(
+            abs(float(t) - one.t) < SAME_STAMP for one in (state, setpoint)
+        ):
+            raise self._wrong(f"t is {t!r}; must be that of the setpoint, {setpoint.t} s")
 
     def _within(self, command: SwarmCommand, what: str, known: Callable[[], Mask]) -> Array:
         given = self._numbers(what, getattr(command, what), len(command.names)).astype(np.float64)
@@ -139,14 +144,14 @@ class CheckedController:
         except ValueError as error:
             raise self._wrong(f"{what} {error}") from error
 
-    def _failed(self, what: str, error: Exception) -> ControllerOutputError:
+    def _failed(self, what: str, error: BaseException) -> ControllerOutputError:
         return self._wrong(f"{what} raised {error_line(error)} ({_last_line(error)})")
 
     def _wrong(self, message: str) -> ControllerOutputError:
         return ControllerOutputError(f"{self._name}: {message}")
 
 
-def _last_line(error: Exception) -> str:
+def _last_line(error: BaseException) -> str:
     """Return file and line where an error was raised."""
     *_, (frame, line) = walk_tb(error.__traceback__)
     return f"{Path(frame.f_code.co_filename).name}, line {line}"

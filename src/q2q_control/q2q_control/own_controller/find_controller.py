@@ -11,7 +11,7 @@ class ControllerClassError(ValueError):
 
 
 def find_controller(name: str, vehicle: Vehicle) -> CheckedController:
-    """Return a new controller of the class `module:Class`, every command of which is checked.
+    """Return a new controller of the class `module:Class`, reset, every command of which is checked.
 
     Args:
         name: of the class, whose only argument is the vehicle.
@@ -19,6 +19,7 @@ def find_controller(name: str, vehicle: Vehicle) -> CheckedController:
 
     Raises:
         ControllerClassError: the class is not found, cannot be made, or has not the methods of Controller.
+        ControllerOutputError: it cannot be reset.
     """
     try:
         found = own_class(name)
@@ -34,4 +35,6 @@ def find_controller(name: str, vehicle: Vehicle) -> CheckedController:
         raise ControllerClassError(
             f"controller {name}: the class needs methods update(state, setpoint, interference) and reset()"
         )
-    return CheckedController(made, vehicle)
+    checked = CheckedController(made, vehicle)
+    checked.reset()
+    return checked

@@ -2,8 +2,8 @@
 
     scripts/fly stack3 --air room --controller q2q_control.own_controller.sensing_example:SensingExample
 
-Along the thrust, an accelerometer shows U1 / m + d, with U1 after the lag of the motors and d the acceleration
-by the air. Low-passed, d takes the place of the predicted downwash.
+Along the thrust, an accelerometer shows U1 / m + d, with U1 after the lag of the rotors and the acceleration
+d by the air. Low-passed, d takes the place of the predicted downwash.
 """
 
 from dataclasses import replace

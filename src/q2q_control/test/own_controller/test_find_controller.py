@@ -1,5 +1,6 @@
 """Controllers of users' classes: lookup by name, and the failsafe while one fails."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,10 @@ SOURCE = """
 class NoReset:
     def __init__(self, vehicle): pass
     def update(self, state, setpoint, interference): pass
+class InReset:
+    def __init__(self, vehicle): self.ready = False
+    def reset(self): self.ready = True
+    def update(self, state, setpoint, interference): return {True: "reset"}[self.ready]
 class Raises:
     def __init__(self, vehicle): raise RuntimeError("no gains")
 number = 3
@@ -45,6 +50,12 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 def test_a_class_that_is_no_controller_is_refused_by_name(module: str, name: str, message: str) -> None:
     with pytest.raises(ControllerClassError, match=f"^controller {module}:{name}: {message}"):
         find_controller(f"{module}:{name}", CRAZYFLIE_2_0)
+
+
+def test_a_found_class_is_reset_before_its_first_update(module: str) -> None:
+    found = find_controller(f"{module}:InReset", CRAZYFLIE_2_0)
+    with pytest.raises(ControllerOutputError, match="update returned a str"):  # not KeyError
+        found.update(state_at(0.0), setpoint_at(0.0), None)
 
 
 def test_a_module_that_cannot_be_imported_is_named() -> None:
@@ -86,6 +97,51 @@ def test_an_error_of_the_class_names_file_and_line() -> None:
     controller = CheckedController(Failing(CRAZYFLIE_2_0), CRAZYFLIE_2_0)
     with pytest.raises(ControllerOutputError, match=r"raised KeyError: 'mode' \(test_find_co.*, line \d+"):
         controller.update(state_at(0.2), setpoint_at(0.2), None)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"t": None}, "t is None; must be that of the setpoint, 0.0 s$"),
+        ({"t": np.zeros(2)}, "t is array.*; must be that of the setpoint"),
+        ({"names": ("cf1", None)}, "names are .'cf1', None.; must be"),
+    ],
+)
+def test_a_tick_of_another_type_is_an_error_of_the_controller(
+    change: dict[str, object], message: str
+) -> None:
+    class Changed(PdExample):
+        def update(
+            self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+        ) -> SwarmCommand:
+            return replace(super().update(state, setpoint, interference), **change)  # type: ignore[arg-type]
+
+    own = LevelOnError(CheckedController(Changed(CRAZYFLIE_2_0), CRAZYFLIE_2_0))
+    assert (own.update(state_at(0.0), setpoint_at(0.0), None).status == LEVEL).all()
+    assert re.search(message, own.error)
+
+
+class WordlessError(Exception):
+    """Error that cannot be printed."""
+
+    def __str__(self) -> str:
+        """Fail."""
+        raise RuntimeError
+
+
+@pytest.mark.parametrize(
+    ("error", "name"),
+    [(SystemExit("no key"), "SystemExit: no key"), (WordlessError(), "WordlessError")],
+)
+def test_an_exit_and_an_error_without_words_are_errors_of_the_controller(
+    error: BaseException, name: str
+) -> None:
+    class Leaving(PdExample):
+        def reset(self) -> None:
+            raise error
+
+    with pytest.raises(ControllerOutputError, match=f"reset raised {name}"):
+        CheckedController(Leaving(CRAZYFLIE_2_0), CRAZYFLIE_2_0).reset()
 
 
 def test_while_it_fails_vehicles_are_levelled_and_then_landed() -> None:

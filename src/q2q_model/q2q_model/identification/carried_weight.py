@@ -6,8 +6,8 @@ the air is bounded. It is within the bounds if at most half of the thrusts are b
 
 import numpy as np
 
+from q2q_model.identification.push.log_mass import HEAVIEST, LIGHTEST
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR
-from q2q_model.identification.push.recorded_push import HEAVIEST, LIGHTEST
 from q2q_model.signals.values import Names, SwarmCommand, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 

@@ -206,7 +206,8 @@ def _push_notes(
     """Return notes on the measured push."""
     used = zip(recordings, data, strict=True) if measures_downwash(data) else ()
     sampled = [one for one, flight in used if flight.pushes]
-    notes = sensor_notes([one.flight for one in recordings], vehicle)
+    flights = [one.flight for one in recordings]
+    notes = sensor_notes(flights, vehicle) + rate_notes(flights)
     notes += log_column_notes(recordings, vehicle) + log_notes(recordings, vehicle)
     return [*notes, *lag_note(sampled, vehicle.thrust_lag)]
 

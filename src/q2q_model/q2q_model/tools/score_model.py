@@ -51,8 +51,9 @@ def run(args: Namespace) -> int:
     if args.json:
         write_json(text, args.json)
     notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
-    notes += [note for one in recordings for note in axis_notes(one.flight)]
-    notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
+    flights = [one.flight for one in recordings]
+    notes += [note for flight in flights for note in axis_notes(flight)]
+    notes += sensor_notes(flights, flown.vehicle) + rate_notes(flights)
     notes += log_column_notes(recordings, flown.vehicle) + log_notes(recordings, flown.vehicle)
     notes += lag_note([one for one in recordings if samples[one.flight.name]], flown.vehicle.thrust_lag)
     for note in notes:

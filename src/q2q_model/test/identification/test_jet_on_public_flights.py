@@ -10,12 +10,12 @@ from q2q_model.identification.jet.held_out_deviation import with_held_out_deviat
 from q2q_model.identification.jet.jet_fit import fit_to_pushes
 from q2q_model.identification.jet.jet_form import JetForm
 from q2q_model.identification.push.along_flight import eta_along, eta_on_vehicle
+from q2q_model.identification.push.log_mass import LOG_MASS
 from q2q_model.identification.push.push_samples import (
     PushSamples,
     pooled_score,
     score,
 )
-from q2q_model.identification.push.recorded_push import LOG_MASS
 from q2q_model.signals.values import Mask
 
 

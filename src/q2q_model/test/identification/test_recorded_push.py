@@ -10,6 +10,7 @@ from made_flights import Pass, made_flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.push.log_mass import LOG_MASS
 from q2q_model.identification.push.recorded_push import check_weight, motion_of, push_of_log
+from q2q_model.signals.values import Mask
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065
 
 

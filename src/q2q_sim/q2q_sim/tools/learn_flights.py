@@ -10,6 +10,9 @@ from threadpoolctl import threadpool_limits
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.units_and_frames.frame_notes import axis_notes
+from q2q_model.identification.push.log_check import log_notes
+from q2q_model.identification.push.rate_check import rate_notes
+from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
 from q2q_model.recordings.vehicle_of_flights import vehicle_of_flights
@@ -28,7 +31,11 @@ def run(args: Namespace) -> int:
     save(args.out, found.air)
     if args.json:
         write_json(_as_json(found, time.process_time() - began), args.json)
-    doubts = [note for one in recordings for note in axis_notes(one.flight)]
+    flights = [one.flight for one in recordings]
+    doubts = [note for flight in flights for note in axis_notes(flight)]
+    doubts += (
+        sensor_notes(flights, flown.vehicle) + rate_notes(flights) + log_notes(recordings, flown.vehicle)
+    )
     for note in (*notes, *filter(None, [flown.note]), *doubts, *found.notes):
         print(f"learn_air: {note}", file=sys.stderr)
     print(table(found))

@@ -133,7 +133,8 @@ def check_force(name: str, log: FlightLog, vehicle: Vehicle) -> None:
 def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float | Array) -> PushRecord:
     """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion.
 
-    `mass` is m of its force [kg], one for all or (n,).
+    `mass` is m of its force [kg], one for all or (n,). Raises ValueError for motors that are neither duties
+    nor PWM.
     """
     force = log.column("faz_est")
     known = np.isfinite(force)
@@ -143,7 +144,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float | Array) 
         motion=motion,
         push=np.where(known, force / mass, 0.0),
         measured=~_in_gap(log) & known,
-        saturated=np.asarray(motor_duty(log).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
+        saturated=np.asarray(motor_duty(log, name).max(axis=-1) >= FULL_DUTY - DUTY_ROUNDING),
     )
 
 
