@@ -30,6 +30,7 @@ from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.monitors.recording_end import with_end
 from q2q_sim.replay_page import in_air, replay_html, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
+from q2q_sim.scenarios.choices import CONTROLLERS
 from q2q_sim.scenarios.scenario import Scenario
 
 NAMED = 4
@@ -60,7 +61,7 @@ class FlightResult:
         """Return what flew, and the verdict, in one line."""
         facts, many = self.facts, len(self.names) > NAMED
         seed = f"seed {facts.seed}" if facts.seed else ""
-        how = filter(None, (facts.scenario or self.arrays.name, facts.controller.upper(), facts.mode, seed))
+        how = filter(None, (facts.scenario or self.arrays.name, _shown(facts.controller), facts.mode, seed))
         who = f"{len(self.names)} vehicles" if many else ", ".join(self.names)
         return f"<FlightResult {', '.join(how)}: {who}; {self.verdict}>"
 
@@ -197,3 +198,8 @@ def _check_labelled(flights: object) -> None:
             raise TypeError(f"flights has {type(label).__name__}: {type(flight).__name__}; {expected}")
     if not flights:
         raise ValueError("flights is empty: give one or more")
+
+
+def _shown(controller: str) -> str:
+    """Return a controller of q2q in capitals, a class as it is."""
+    return controller.upper() if controller in CONTROLLERS else controller

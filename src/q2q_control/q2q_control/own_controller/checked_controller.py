@@ -4,6 +4,7 @@ A law without limits may ask for more than the motors give, and the simulator li
 are those of another unit: grams or m/s^2 for newtons, degrees for radians.
 """
 
+import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -52,6 +53,7 @@ class CheckedController:
     def __init__(self, controller: Controller, vehicle: Vehicle) -> None:
         """Take a controller and the vehicle that it flies."""
         self._controller = controller
+        self._file = getattr(sys.modules.get(type(controller).__module__), "__file__", "")
         self._unsensed: ControllerOutputError | None = None
         self._name = f"controller {type(controller).__module__}:{type(controller).__qualname__}"
         self._bounds: Mapping[str, tuple[float, str]] = {
@@ -145,16 +147,17 @@ class CheckedController:
             raise self._wrong(f"{what} {error}") from error
 
     def _failed(self, what: str, error: BaseException) -> ControllerOutputError:
-        return self._wrong(f"{what} raised {error_line(error)} ({_last_line(error)})")
+        return self._wrong(f"{what} raised {error_line(error)} ({self._line_of(error)})")
+
+    def _line_of(self, error: BaseException) -> str:
+        """Return file and line of an error: the last ones in the class's module, else where it was raised."""
+        lines = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
+        own = [one for one in lines if one[0] == self._file]
+        file, line = (own or lines)[-1]
+        return f"{Path(file).name}, line {line}"
 
     def _wrong(self, message: str) -> ControllerOutputError:
         return ControllerOutputError(f"{self._name}: {message}")
-
-
-def _last_line(error: BaseException) -> str:
-    """Return file and line where an error was raised."""
-    *_, (frame, line) = walk_tb(error.__traceback__)
-    return f"{Path(frame.f_code.co_filename).name}, line {line}"
 
 
 def _known(names: Names, state: SwarmState, setpoint: SwarmSetpoint, felt: Interference | None) -> Mask:

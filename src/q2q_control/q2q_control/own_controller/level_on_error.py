@@ -12,16 +12,18 @@ class LevelOnError:
     def __init__(self, controller: CheckedController) -> None:
         """Take the controller."""
         self._controller = controller
+        self._unreset = ""
         self.error = ""
-        """Error of the last update or reset; empty without one."""
+        """Error of the last update, else of the last reset; empty without one."""
 
     def reset(self) -> None:
         """Reset the controller."""
-        self.error = ""
+        self._unreset = ""
         try:
             self._controller.reset()
         except ControllerOutputError as error:
-            self.error = str(error)
+            self._unreset = str(error)
+        self.error = self._unreset
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
@@ -32,7 +34,7 @@ class LevelOnError:
         except ControllerOutputError as error:
             self.error = str(error)
             return _level(setpoint)
-        self.error = ""
+        self.error = self._unreset
         return command
 
 

@@ -32,7 +32,7 @@ class PdExample:
         self._vehicle = vehicle
 
     def reset(self) -> None:
-        """Forget nothing: the law has no memory."""
+        """Do nothing: the law has no memory."""
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None

@@ -16,7 +16,8 @@ from q2q_model.flights.duplicates.height_records import (
     heights_from_text,
     hold_same_heights,
 )
-from q2q_model.recordings.recording_reader import recording_of_table
+from q2q_model.flights.tables.flight_table import POS, flight_table
+from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.signals.values import Array, Rows
 
 DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data"))
@@ -92,9 +93,9 @@ def test_records_are_read_as_they_were_written() -> None:
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")
 def test_repetitions_of_public_flights_are_different_flights_and_half_their_rows_the_same() -> None:
     files = [*DATA.glob("neural_swarm/dc21_swap_ss_0[1-3].parquet"), *DATA.glob("nanobench/B8*.parquet")]
-    flights = [recording_of_table(file).flight for file in files]
-    assert len(flights) == 5
-    known = [height_records(one.t, one.mocap_pos) for one in flights]
-    for one, own in zip(flights, known, strict=True):
-        assert hold_same_heights(height_records(one.t[1::2], one.mocap_pos[1::2]), own)
+    tables = [flight_table(read_columns(file)) for file in files]
+    assert len(tables) == 5
+    known = [height_records(one.t, one.vectors(POS)) for one in tables]
+    for one, own in zip(tables, known, strict=True):
+        assert hold_same_heights(height_records(one.t[1::2], one.vectors(POS)[1::2]), own)
     assert not any(hold_same_heights(*pair) for pair in combinations(known, 2))

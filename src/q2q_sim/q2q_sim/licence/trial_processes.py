@@ -3,7 +3,10 @@
 A process is forked from the fork server, which has imported the simulator.
 """
 
+import os
+import signal
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -92,8 +95,7 @@ def fly_trials(orders: Sequence[FlightOrder], options: LicenceOptions, until: fl
             yield from _ended(running, options.limits)
     finally:
         for one in running.values():
-            one.process.kill()
-            one.process.join()
+            _end(one.process)
 
 
 def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterator[FlownTrial]:
@@ -107,8 +109,7 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
         if answer in ready:
             one.process.join(DYING_S)
         died = one.process.exitcode
-        one.process.kill()
-        one.process.join()
+        _end(one.process)
         answer.close()
         del running[answer]
         trial = one.order.trial
@@ -119,6 +120,15 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
                 yield FlownTrial(trial, (), None, seconds, sent)
             case None:
                 yield FlownTrial(trial, (_without_log(died),), None, seconds)
+
+
+def _end(process: BaseProcess) -> None:
+    """End the process of a flight, and those that its program has started, which are in its group."""
+    if process.pid is not None:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.join()
 
 
 def _without_log(status: int | None) -> BrokenRule:

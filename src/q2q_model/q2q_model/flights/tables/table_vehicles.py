@@ -15,7 +15,7 @@ thrust as well.
 
 from collections.abc import Collection
 
-from q2q_model.signals.vehicle_name import check_vehicle_name
+from q2q_model.signals.vehicle_name import VEHICLE_NAME, check_vehicle_name
 
 LONE_VEHICLE = "cf1"
 AXES = ("x", "y", "z")
@@ -40,17 +40,32 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
         return {LONE_VEHICLE: ""}
     found = {}
     for name in placed:
-        owner = next((other for other in placed if name.startswith(f"{other}_")), None)
-        if owner is None:
+        owner = next((other for other in placed if _is_vector_of(name, other)), None)
+        if owner is None and (VEHICLE_NAME.fullmatch(name) or _may_be_vehicle(name, columns, carried)):
             _check_name(name)
             found[name] = f"{name}_"
-        else:
+        elif owner is not None:
             _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
     if not found:
+        for name in placed:
+            _check_name(name)
         raise ValueError(
             f"the table has neither x, y, z nor <vehicle>_x, _y, _z; it has {', '.join(columns)}"
         )
     return found
+
+
+def _is_vector_of(name: str, other: str) -> bool:
+    """Return whether a prefix continues another one after the end of a word, as cf1_est and cf1.gyro."""
+    return name.startswith(other) and len(name) > len(other) and not name[len(other)].isalnum()
+
+
+def _own_columns(name: str, columns: Collection[str], carried: Collection[str]) -> list[str]:
+    return sorted(one for one in set(carried) - set(AXES) if f"{name}_{one}" in columns)
+
+
+def _may_be_vehicle(name: str, columns: Collection[str], carried: Collection[str]) -> bool:
+    return name[-1].isdigit() or bool(_own_columns(name, columns, carried))
 
 
 def _check_name(name: str) -> None:
@@ -58,7 +73,9 @@ def _check_name(name: str) -> None:
     try:
         check_vehicle_name(name)
     except ValueError as wrong:
-        raise ValueError(f"{wrong}: rename its columns, as in cf1_x") from wrong
+        raise ValueError(
+            f"{wrong}: rename its columns, as in cf1_x, or leave them out if it is none"
+        ) from wrong
 
 
 def _before_x(columns: Collection[str]) -> list[str]:
@@ -73,10 +90,9 @@ def _refuse_vehicles(
     placed: Collection[str], columns: Collection[str], carried: Collection[str], beside: str
 ) -> None:
     """Raise ValueError if one of these prefixes may be a vehicle next to other positions."""
-    more = set(carried) - set(AXES)
     for name in placed:
-        own = sorted(one for one in more if f"{name}_{one}" in columns)
-        if name[-1].isdigit() or own:
+        if _may_be_vehicle(name, columns, carried):
+            own = _own_columns(name, columns, carried)
             shown = ", ".join(f"{name}_{one}" for one in (*AXES, *own[:1]))
             raise ValueError(
                 f"{name} may be a vehicle or a vector of another one: the table has {beside} and {shown}; "

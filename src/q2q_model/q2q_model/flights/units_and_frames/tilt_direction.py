@@ -10,7 +10,7 @@ Both are taken from their medians, as an attitude may be askew. The cosine betwe
     r = sum (a . l) / sqrt(sum a^2 sum l^2)
 
 is 0.89 to 0.99 for 57 vehicles of the public flights and 0.36 for one that hardly moves sideways. For
-conjugated attitudes (world to body) it is -cos(yaw) times that: beyond a yaw of 90 degrees it shows nothing.
+conjugated attitudes (world to body) it is -cos(yaw) times that: beyond a yaw of 70 degrees it shows nothing.
 """
 
 import numpy as np
@@ -27,6 +27,8 @@ HOLE_S = 0.1
 """Longest time between known samples that is interpolated [s]."""
 LEAST_ACC = 0.1
 """Least root mean square of the acceleration to judge by [m/s^2]."""
+MOST_CONJUGATED = -0.3
+"""Largest cosine of an attitude in doubt [-]: conjugated ones of public flights have -0.36 to -0.99."""
 LEAST_S = 5.0
 """Least time to judge by [s]."""
 
@@ -42,7 +44,7 @@ def tilt_direction_reason(t: Array, names: Names, pos: Array, quat: Array) -> st
     """
     for i, name in enumerate(names):
         cosine = _cosine(t, pos[:, i], quat[:, i])
-        if cosine < 0.0:
+        if cosine < MOST_CONJUGATED:
             return (
                 f"{name} accelerates to the side that its attitude leans away from (correlation "
                 f"{cosine:.2f}, expected about 1): check that its quaternions turn body to world, or its "

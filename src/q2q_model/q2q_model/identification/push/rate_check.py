@@ -1,6 +1,6 @@
 """Check of recorded angular rates against the change of attitude.
 
-Over SPAN rows, a vehicle turns by the rotation vector of q(k)^-1 q(k + SPAN), which the mean of its rates
+Over SPAN_S, a vehicle turns by the rotation vector of q(t)^-1 q(t + SPAN_S), which the mean of its rates
 explains. With a, the turns over time about body x and y, and w, the mean rates, both less their means, two
 regression lines enclose the slope of the rates:
 
@@ -18,8 +18,12 @@ from scipy.spatial.transform import Rotation
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 
-SPAN = 6
-"""Rows of a turn: 0.06 s at 100 Hz, over which noise of 1 mrad is 0.02 rad/s."""
+SPAN_S = 0.06
+"""Time of a turn [s], over which noise of 1 mrad is 0.02 rad/s."""
+LONGEST_STEP = 0.02
+"""Longest step of a flight that is checked [s]: in slower ones, attitudes turn too far between rows."""
+LARGEST_TURN = 0.6
+"""Largest turn over SPAN_S [rad], up to which the mean of rates is the turn over time."""
 LEAST_RATE = 0.05
 """Minimum rms rate about x and y of a vehicle that is checked [rad/s]."""
 FEWEST_ROWS = 200
@@ -59,15 +63,20 @@ def _attitude(flight: Flight, i: int) -> Array:
 
 def _slopes(t: Array, quat: Array, rate: Array) -> tuple[float, float] | None:
     """Return the slopes of both lines; None of a vehicle that does not turn, or is not measured enough."""
-    if t.size <= SPAN:
+    step = float(np.median(np.diff(t))) if t.size > 1 else np.inf
+    span = round(SPAN_S / step) if 0.0 < step <= LONGEST_STEP else t.size
+    if t.size <= span:
         return None
-    known = np.isfinite(quat).all(axis=1) & (np.abs(quat).sum(axis=1) > 0.0)
+    norm = np.linalg.norm(quat, axis=1)
+    known = (norm > 0.5) & (norm < 2.0)
     turns = Rotation.from_quat(np.where(known[:, None], quat, (0.0, 0.0, 0.0, 1.0)))
-    lasts = (t[SPAN:] - t[:-SPAN])[:, None]
-    turned = (turns[:-SPAN].inv() * turns[SPAN:]).as_rotvec()[:, :2] / lasts
+    lasts = (t[span:] - t[:-span])[:, None]
+    turn = (turns[:-span].inv() * turns[span:]).as_rotvec()
+    turned = turn[:, :2] / lasts
     steps = 0.5 * (rate[1:, :2] + rate[:-1, :2]) * np.diff(t)[:, None]
-    mean = np.lib.stride_tricks.sliding_window_view(steps, SPAN, axis=0).sum(axis=-1) / lasts
-    rows = known[SPAN:] & known[:-SPAN] & np.isfinite(mean).all(axis=1)
+    mean = np.lib.stride_tricks.sliding_window_view(steps, span, axis=0).sum(axis=-1) / lasts
+    rows = known[span:] & known[:-span] & np.isfinite(mean).all(axis=1)
+    rows &= (lasts[:, 0] < 2.0 * SPAN_S) & (np.linalg.norm(turn, axis=1) < LARGEST_TURN)
     if rows.sum() < FEWEST_ROWS:
         return None
     a, w = (one[rows] - one[rows].mean(axis=0) for one in (turned, mean))

@@ -67,12 +67,14 @@ class CooperativeScheduler:
         self._main = self.holder
         self._owed: dict[int, Gate] = {}
         """Gates of threads whose turn was taken while they computed."""
+        self._deciding = _thread.allocate_lock()
+        """Held while it is decided whether a turn is given up or taken."""
         self._signals: list[Callable[[], object]] = []
         """Handlers of signals that wait for the main thread's turn."""
 
     def wait(self, ready: Callable[[], bool], until: float = math.inf) -> bool:
         """Give up the turn until a condition holds or a time [s] has come; return whether it holds."""
-        self.resume()
+        self._claim()
         self._hand_on(ready, until)
         while self._signals and self.holder == self._main:
             self._signals.pop(0)()
@@ -116,10 +118,11 @@ class CooperativeScheduler:
 
     def spend(self, seconds: float) -> None:
         """Advance the clock of the thread that has the turn; others go first where they are due."""
-        self.resume()
+        self._claim()
         after = self.now + seconds
         if after < self._due():
             self.now = after
+            self.handing_on = False
         else:
             self.wait(never, after)
 
@@ -130,8 +133,16 @@ class CooperativeScheduler:
 
     def spend_for_holder(self, seconds: float) -> None:
         """Spend time [s] for the thread that has the turn and computes, by the main thread, which waits."""
-        mine = _Waiting(never, self.now + seconds, self.holder)
-        self._owed[self.holder] = mine.gate
+        if not self._deciding.acquire(blocking=False):
+            return  # the holder is about to give up its turn
+        try:
+            if self.handing_on:
+                return
+            self.handing_on = True
+            mine = _Waiting(never, self.now + seconds, self.holder)
+            self._owed[self.holder] = mine.gate
+        finally:
+            self._deciding.release()
         self._waiting.append(mine)
         self.leave()
 
@@ -139,6 +150,16 @@ class CooperativeScheduler:
         """Wait for the turn of the calling thread if it was taken while it computed."""
         gate = self._owed.pop(_thread.get_ident(), None) if self._owed else None
         if gate is not None:
+            self.take(gate)
+
+    def _claim(self) -> None:
+        """Keep the turn until the calling thread gives it up; wait for it first if it was taken."""
+        while True:
+            with self._deciding:
+                gate = self._owed.pop(_thread.get_ident(), None)
+                if gate is None:
+                    self.handing_on = True
+                    return
             self.take(gate)
 
     def _hand_on(self, ready: Callable[[], bool], until: float) -> None:
