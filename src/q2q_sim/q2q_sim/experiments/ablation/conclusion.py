@@ -129,7 +129,8 @@ def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
             worst = _span([MM * median_worst(numbers, one, best_variant(numbers, one)) for one in own])
             ignored = _span([MM * median_worst(numbers, one, "ignoring") for one in own])
             parts.append(f"{worst} mm in `{name}` (*ignoring*: {ignored} mm)")
-    return f"Its worst height error under another vehicle is {' and '.join(parts)}."
+    reached = " and ".join(parts)
+    return f"The worst height error of each pair's best controller, under another vehicle, is {reached}."
 
 
 def _parts(numbers: Numbers, cases: Sequence[Case]) -> str:
@@ -146,8 +147,8 @@ def _missed(numbers: Numbers, cases: Sequence[Case]) -> str:
     missed = {case: missed_targets(numbers, case, best_variant(numbers, case)) for case in cases}
     met = sum(not one for one in missed.values())
     return (
-        f"It meets all targets in {met} of {len(cases)} pairs: under / clear at most {UNDER_CLEAR:g}, a "
-        f"worst error {GAIN:g} times smaller than that of *ignoring*, {UNDER_MM:g} mm rms, {WORST_MM:g} mm "
+        f"The best one meets all targets in {met} of {len(cases)} pairs: under / clear at most "
+        f"{UNDER_CLEAR:g}, a worst error {GAIN:g} times smaller than that of *ignoring*, {UNDER_MM:g} mm rms, {WORST_MM:g} mm "
         "worst."
     )
 
