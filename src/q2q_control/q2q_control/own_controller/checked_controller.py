@@ -5,7 +5,6 @@ are those of another unit: grams or m/s^2 for newtons, degrees for radians.
 """
 
 import sys
-from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
 from math import pi
@@ -114,12 +113,11 @@ class CheckedController:
         """Check that it is a command of this tick for its vehicles."""
         if not isinstance(command, SwarmCommand):
             raise self._wrong(f"update returned a {type(command).__name__}: return a SwarmCommand")
-        if not isinstance(command.names, tuple) or Counter(command.names) != Counter(setpoint.names):
+        strings = isinstance(command.names, tuple) and all(isinstance(one, str) for one in command.names)
+        if not strings or sorted(command.names) != sorted(setpoint.names):
             raise self._wrong(f"names are {command.names!r}; must be {setpoint.names}, in any order")
-        t = command.t
-        if not isinstance(t, Real) or not any(
-            abs(float(t) - one.t) < SAME_STAMP for one in (state, setpoint)
-        ):
+        t: object = command.t
+        if not _is_tick(t, state, setpoint):
             raise self._wrong(f"t is {t!r}; must be that of the setpoint, {setpoint.t} s")
 
     def _within(self, command: SwarmCommand, what: str, known: Callable[[], Mask]) -> Array:
@@ -158,6 +156,12 @@ class CheckedController:
 
     def _wrong(self, message: str) -> ControllerOutputError:
         return ControllerOutputError(f"{self._name}: {message}")
+
+
+def _is_tick(given: object, state: SwarmState, setpoint: SwarmSetpoint) -> bool:
+    """Return whether a time is a number, that of the state or the setpoint."""
+    t = given.item() if isinstance(given, np.ndarray) and given.ndim == 0 else given
+    return isinstance(t, Real) and any(abs(float(t) - one.t) < SAME_STAMP for one in (state, setpoint))
 
 
 def _known(names: Names, state: SwarmState, setpoint: SwarmSetpoint, felt: Interference | None) -> Mask:

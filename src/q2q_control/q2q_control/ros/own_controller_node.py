@@ -21,11 +21,12 @@ from q2q_control.own_controller.level_on_error import LevelOnError
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_model.diagnostics.health import Health
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import NodeFailedError, run
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import SwarmCommand
+from q2q_model.signals.values import SwarmCommand, SwarmImu
 from q2q_model.tunable import tunable
 from q2q_model.vehicle.constants import vehicle_by_name
 
@@ -52,6 +53,9 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     block = LevelOnError(checked) if own.live else checked
     wiring, guarded = wire_controller(node, own, vehicle, block)
     wiring.warm_up(checked.update, checked.reset, own.vehicles)
+    imu = synthetic_signal(SwarmImu, 0.0, own.vehicles)
+    if isinstance(imu, SwarmImu):
+        checked.sense(imu)  # its error is raised by the next update
     wiring.warm_up(guarded.update, guarded.reset, own.vehicles)
     if checked.senses:
         receive_accelerometers(node, checked.sense, wiring.health)

@@ -25,10 +25,10 @@ T = np.linspace(0.0, 60.0, 6001)
 
 
 def flight(seed: int, vehicles: int = 2) -> Array:
-    """Return positions of vehicles that deviate by 0.1 m at frequencies of up to 1 Hz, (T, n, 3)."""
+    """Return positions that deviate by 0.1 m, at up to 1 Hz, from a height of 1 m, (T, n, 3)."""
     knots = np.linspace(0.0, 60.0, 121)
     drawn = 0.1 * np.random.default_rng(seed).standard_normal((knots.size, vehicles, 3))
-    return np.asarray(CubicSpline(knots, drawn)(T))
+    return np.asarray(CubicSpline(knots, drawn)(T)) + np.array([0.0, 0.0, 1.0])
 
 
 def noisy(pos: Array) -> Array:
@@ -99,3 +99,16 @@ def test_repetitions_of_public_flights_are_different_flights_and_half_their_rows
     for one, own in zip(tables, known, strict=True):
         assert hold_same_heights(height_records(one.t[1::2], one.vectors(POS)[1::2]), own)
     assert not any(hold_same_heights(*pair) for pair in combinations(known, 2))
+
+
+def test_time_on_the_floor_makes_no_two_hovers_the_same() -> None:
+    rng, records = np.random.default_rng(4), []
+    for _ in range(2):
+        drift = np.cumsum(rng.standard_normal(2000)) * 1.2e-4
+        rise = np.clip(np.arange(9000) - 3000, 0, 200) / 200 - np.clip(np.arange(9000) - 5200, 0, 200) / 200
+        height = rise + np.where(rise == 1.0, np.resize(drift, 9000), 0.0)
+        pos = np.zeros((9000, 1, 3))
+        pos[:, 0, 2] = height
+        records.append(height_records(0.01 * np.arange(9000), pos))
+    assert [one.size for one in records[0]] == [114]  # 23 s in the air
+    assert not hold_same_heights(*records)

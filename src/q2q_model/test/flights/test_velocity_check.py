@@ -61,3 +61,10 @@ def test_public_flights_have_velocities_of_their_positions_in_metres_per_second_
         flight_table(columns)
         with pytest.raises(ValueError, match="times the change of"):
             flight_table({name: 1e3 * one if name.endswith(VEL) else one for name, one in columns.items()})
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.05, 0.1])
+def test_noisy_positions_of_a_hover_or_a_slow_circle_are_not_judged(noise: float) -> None:
+    drawn = noise * np.random.default_rng(2).standard_normal(CIRCLE.shape)
+    check(0.02 * CIRCLE + drawn, 0.02 * SPEED)
+    check(0.4 * CIRCLE + drawn, 0.4 * SPEED)

@@ -8,7 +8,8 @@ The paper, section 4.2, after Khatib (Real-time obstacle avoidance, 1986), for a
 The leading term is the reference's acceleration r'' (the print has r~, with which a pair settles at 1.25 r);
 the widths of the Gaussian are alpha eps^2 and beta eps^2 as printed. The paper's parameters do *not* keep a
 pair out of I(0.1, 1.1), and dx = dy = 0 is a horizontal equilibrium: this is the paper's law, kept for
-comparison. `safe_replanner` is the one with a promise.
+comparison. `safe_replanner` is the one with a promise. F_s is a gradient only if K_s is proportional to
+diag(1/alpha, 1/alpha, 1/beta); the default, equal along all axes, has no potential.
 
 The error e = r~ - r is integrated between ticks in steps of at most STEP. Within a step the force is constant
 and the linear part e'' = -k_d e' - k_p e + F is solved exactly (exponential Euler, first order in the step),

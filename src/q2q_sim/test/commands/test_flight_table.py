@@ -77,11 +77,11 @@ def test_a_vehicle_with_a_name_that_begins_no_topic_is_refused(name: str) -> Non
     with pytest.raises(
         ValueError, match="letters, digits and _, at most 100: rename its columns, as in cf1_x"
     ):
-        flight_table(vectors("cf1_", f"{name}_") | {f"{name}_qw": np.ones(40)})
+        flight_table(vectors("cf1_", f"{name}_"))
 
 
-@pytest.mark.parametrize("name", ["cf1.gyro", "cf1-est", "mag field", "kalman.state"])
-def test_a_vector_with_a_name_of_no_vehicle_is_left_out(name: str) -> None:
+@pytest.mark.parametrize("name", ["cf1.gyro", "cf1-est", "cf1 mag"])
+def test_another_vector_of_a_vehicle_is_left_out(name: str) -> None:
     assert flight_table(vectors("cf1_", f"{name}_")).names == ("cf1",)
 
 

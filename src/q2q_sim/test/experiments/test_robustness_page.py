@@ -63,11 +63,11 @@ def test_a_flight_is_compared_with_one_in_the_same_room_that_ignores_the_downwas
 def test_the_page_names_what_is_worse_than_ignoring_and_nothing_else() -> None:
     found = {flight_key(ignoring_flight(one)): Errors(0.1, 0.2, 0.004) for one in FLIGHTS}
     found |= {flight_key(one): Errors(0.05, 0.1, 0.005) for one in FLIGHTS}
-    assert "Never worse than without compensation." in page(found, FLIGHTS, "made")
+    assert "Under another vehicle never worse than without compensation." in page(found, FLIGHTS, "made")
     bad = next(one for one in FLIGHTS if one.perturbation.silent and one.air == "bent")
     found[flight_key(bad)] = Errors(0.106, 0.1, 0.005)
     text = page(found, FLIGHTS, "made")
-    assert "Worse than without compensation: no accelerometers in `bent`." in text
+    assert "Worse under another vehicle than without compensation: no accelerometers in `bent`." in text
     assert text.count("**106.0 (1.06)**") == 1
     assert text.count("| 50.0 (0.50) | 50.0 (0.50) | 5, 4 |") == 23  # the other rows of two controllers
 
@@ -105,10 +105,10 @@ def test_a_vehicle_that_only_the_correction_leaves_on_the_floor_is_worse() -> No
     found = {flight_key(ignoring_flight(one)): Errors(0.05, 0.2, 0.004) for one in FLIGHTS}
     found |= {flight_key(one): Errors(nan, nan, 0.005) for one in FLIGHTS}
     text = page(found, FLIGHTS, "made")
-    assert "Never worse than without compensation." not in text
+    assert "Under another vehicle never worse than without compensation." not in text
     assert "| **floor** | **floor** |" in text
     found |= {flight_key(ignoring_flight(one)): Errors(nan, nan, 0.004) for one in FLIGHTS}
-    assert "Never worse than without compensation." in page(found, FLIGHTS, "made")
+    assert "Under another vehicle never worse than without compensation." in page(found, FLIGHTS, "made")
 
 
 def test_a_flight_in_which_nobody_was_under_another_has_no_such_error(

@@ -1,8 +1,8 @@
 """Record of the heights of a flight, by which it is recognised at another rate, turned or mirrored.
 
-The height of each vehicle, mean over MEAN_S, is kept every 1 / RATE_HZ: noise of 1 mm becomes 0.2 mm, and
-neither stamps, rate, names nor the horizontal axes are in it. Two records are of one motion if they differ,
-at the shift in time of least difference and less their means, by little in root mean square:
+The height of each vehicle in the air, mean over MEAN_S, is kept every 1 / RATE_HZ: noise of 1 mm becomes
+0.2 mm, and neither stamps, rate, names nor the horizontal axes are in it. Two records are of one motion if
+they differ, at the shift in time of least difference and less their means, by little in root mean square:
 
 | | of copies at most | of other flights at least | bound |
 |---|---|---|---|
@@ -31,6 +31,8 @@ STEP = 1e-4
 """Unit of a record [m], 16 bits: heights are within 3.2 m of their mean."""
 LONGEST, SHORTEST = 3000, 50
 """Most and fewest samples of a record: 10 min, 8 kB as text, and 10 s."""
+FLOOR = 0.15
+"""Height up to which a vehicle may stand on the floor [m]."""
 LEAST_MOTION = 0.002
 """Least standard deviation of heights to recognise a flight by [m]."""
 DIFFERENCE = 0.002
@@ -51,7 +53,7 @@ def height_records(t: Array, pos: Array) -> Heights:
     found = []
     for i in range(pos.shape[1]):
         seen = np.isfinite(pos[:, i]).all(axis=1)
-        found.append(_record(t[seen], pos[seen, i, 2]))
+        found.append(_record(*_in_the_air(t[seen], pos[seen, i, 2])))
     return tuple(one for one in found if one.size >= SHORTEST and one.std() >= LEAST_MOTION)
 
 
@@ -75,6 +77,13 @@ def heights_from_text(text: str) -> Heights:
         return tuple(STEP * np.frombuffer(one, dtype="<i2") for one in packed)
     except ValueError:
         return ()
+
+
+def _in_the_air(t: Array, height: Array) -> tuple[Array, Array]:
+    """Return times and heights from the first to the last one above FLOOR: at rest all flights are alike."""
+    up = np.flatnonzero(height > FLOOR)
+    flown = slice(up[0], up[-1] + 1) if up.size else slice(0)
+    return t[flown], height[flown]
 
 
 def _record(t: Array, height: Array) -> Array:

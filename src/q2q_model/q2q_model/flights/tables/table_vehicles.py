@@ -15,7 +15,7 @@ thrust as well.
 
 from collections.abc import Collection
 
-from q2q_model.signals.vehicle_name import VEHICLE_NAME, check_vehicle_name
+from q2q_model.signals.vehicle_name import check_vehicle_name
 
 LONE_VEHICLE = "cf1"
 AXES = ("x", "y", "z")
@@ -41,14 +41,12 @@ def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict
     found = {}
     for name in placed:
         owner = next((other for other in placed if _is_vector_of(name, other)), None)
-        if owner is None and (VEHICLE_NAME.fullmatch(name) or _may_be_vehicle(name, columns, carried)):
+        if owner is None:
             _check_name(name)
             found[name] = f"{name}_"
-        elif owner is not None:
+        else:
             _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
     if not found:
-        for name in placed:
-            _check_name(name)
         raise ValueError(
             f"the table has neither x, y, z nor <vehicle>_x, _y, _z; it has {', '.join(columns)}"
         )

@@ -148,8 +148,8 @@ def _missed(numbers: Numbers, cases: Sequence[Case]) -> str:
     met = sum(not one for one in missed.values())
     return (
         f"The best one meets all targets in {met} of {len(cases)} pairs: under / clear at most "
-        f"{UNDER_CLEAR:g}, a worst error {GAIN:g} times smaller than that of *ignoring*, {UNDER_MM:g} mm rms, {WORST_MM:g} mm "
-        "worst."
+        f"{UNDER_CLEAR:g}, a worst error {GAIN:g} times smaller than that of *ignoring*, {UNDER_MM:g} mm "
+        f"rms, {WORST_MM:g} mm worst."
     )
 
 

@@ -71,11 +71,16 @@ class CooperativeScheduler:
         """Held while it is decided whether a turn is given up or taken."""
         self._signals: list[Callable[[], object]] = []
         """Handlers of signals that wait for the main thread's turn."""
+        self._later: list[Callable[[], object]] = []
+        """Those that do not end its waiting."""
 
     def wait(self, ready: Callable[[], bool], until: float = math.inf) -> bool:
         """Give up the turn until a condition holds or a time [s] has come; return whether it holds."""
-        self._claim()
+        self.claim()
         self._hand_on(ready, until)
+        if self.holder == self._main:
+            self._signals += self._later
+            self._later.clear()
         while self._signals and self.holder == self._main:
             self._signals.pop(0)()
             if not ready() and self.now < until:
@@ -84,10 +89,14 @@ class CooperativeScheduler:
 
     def handle(self, signal: Callable[[], object]) -> None:
         """Run a handler of a signal, in the main thread: now if that has the turn, or else when it has."""
-        if self.holder == self._main and not self.handing_on:
+        if self.holder == self._main and not self.is_deciding:
             signal()
         else:
             self._signals.append(signal)
+
+    def handle_next(self, signal: Callable[[], object]) -> None:
+        """Run a handler in the main thread when its present wait is over."""
+        self._later.append(signal)
 
     def sleep(self, seconds: float) -> None:
         """Give up the turn for a time [s]."""
@@ -118,13 +127,18 @@ class CooperativeScheduler:
 
     def spend(self, seconds: float) -> None:
         """Advance the clock of the thread that has the turn; others go first where they are due."""
-        self._claim()
+        self.claim()
         after = self.now + seconds
         if after < self._due():
             self.now = after
             self.handing_on = False
         else:
             self.wait(never, after)
+
+    @property
+    def is_deciding(self) -> bool:
+        """Return whether a thread is about to give up its turn, or to lose it."""
+        return self.handing_on or self._deciding.locked()
 
     @property
     def computes_on(self) -> bool:
@@ -146,20 +160,23 @@ class CooperativeScheduler:
         self._waiting.append(mine)
         self.leave()
 
-    def resume(self) -> None:
-        """Wait for the turn of the calling thread if it was taken while it computed."""
-        gate = self._owed.pop(_thread.get_ident(), None) if self._owed else None
-        if gate is not None:
-            self.take(gate)
+    def claim(self) -> None:
+        """Keep the turn until the calling thread gives it up; wait for it first if it was taken.
 
-    def _claim(self) -> None:
-        """Keep the turn until the calling thread gives it up; wait for it first if it was taken."""
+        Not from a handler of a signal while `is_deciding`: it may have interrupted this.
+        """
         while True:
             with self._deciding:
                 gate = self._owed.pop(_thread.get_ident(), None)
                 if gate is None:
                     self.handing_on = True
                     return
+            self.take(gate)
+
+    def resume(self) -> None:
+        """Wait for the turn of the calling thread if it was taken while it computed."""
+        gate = self._owed.pop(_thread.get_ident(), None) if self._owed else None
+        if gate is not None:
             self.take(gate)
 
     def _hand_on(self, ready: Callable[[], bool], until: float) -> None:

@@ -115,7 +115,7 @@ def _replace_threads(scheduler: CooperativeScheduler) -> None:
             try:
                 run(*args)
             finally:
-                scheduler.resume()
+                scheduler.claim()
                 ended = ends.pop(_thread.get_ident(), None)
                 if ended is not None and ended.locked():
                     ended.release()
@@ -152,7 +152,7 @@ def watch_threads(scheduler: CooperativeScheduler) -> None:
 
     def look(_: int, __: FrameType | None) -> None:
         nonlocal seen
-        if not scheduler.handing_on and (scheduler.given == seen or scheduler.computes_on):
+        if not scheduler.is_deciding and (scheduler.given == seen or scheduler.computes_on):
             spend = scheduler.spend if scheduler.holder == main else scheduler.spend_for_holder
             spend(BUSY_S)
         seen = scheduler.given
