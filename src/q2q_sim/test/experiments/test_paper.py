@@ -119,9 +119,11 @@ def test_fig_15_draws_the_mpc_and_the_pd(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert {"fig15.q1_dip", "fig15.q1_dip_pd"} <= found.values.keys()
 
 
-def test_rows_that_only_repeat_a_constant_say_so():
+def test_rows_that_only_repeat_a_constant_or_a_condition_say_so():
     echoed = {"table1.takeoff_weight", "table1.inertia_xx", "table1.inertia_yy", "table1.inertia_zz"}
-    echoed |= {"table1.size", "table3.xtol", "table3.ftol"}
+    echoed |= {"table1.size", "table3.xtol", "table3.ftol", "table4.step_size"}
+    echoed |= {"fig5.k_p_from_commands", "fig5.k_d_from_commands"}
+    echoed |= {f"table2.{what}_{k}" for what in ("distance", "speed", "overlap") for k in range(1, 7)}
     assert {one.id for one in NUMBERS if "no result" in one.note} == echoed
 
 

@@ -100,8 +100,8 @@ def closeness_sentence(numbers: Sequence[PaperNumber], outcomes: Sequence[Experi
     close = sum(abs(ratio - 1.0) <= CLOSE for ratio in ratios)
     return (
         f"Within {100.0 * CLOSE:.0f} % of the paper's: {close} of {len(ratios)} numbers, those taken from "
-        "the paper not counted. Energies count, though plain hover is within 2 % of them. The last column says "
-        "why others differ."
+        "the paper not counted. Energies count, though plain hover is within 2 % of them. The last column "
+        "says why others differ."
     )
 
 

@@ -18,9 +18,9 @@ without compensation, in the same room with the same noise. A ratio above 1.05 i
 controller. Thrust is that of the stock firmware, 1.32 times the weight for an offboard command. Paths are
 flown in half the time of the scenario.
 
-- *residual error*: rms height error in the last 2 s, at least 2 s after the last passage [mm], in the air model
-  where it is largest with compensation; beside it that without compensation in the same air. It shows wind-up
-  and limit cycles, and is in no ratio or verdict below.
+- *residual error*: rms height error in the last 2 s, at least 2 s after the last passage [mm], in the air
+  model where it is largest with compensation; beside it that without compensation in the same air. It shows
+  wind-up and limit cycles, and is in no ratio or verdict below.
 - *floor*: thrust does not carry the vehicles, so none is left under another. In bold if thrust carries them
   without compensation.
 
