@@ -47,3 +47,25 @@ def test_kernels_that_cannot_be_stored_are_told_from_those_never_called(
     )
     assert done.returncode == 1
     assert done.stderr.splitlines() == told
+
+
+WITHOUT_OPTIONS = """
+import sys
+from importlib.abc import MetaPathFinder
+
+
+class Absent(MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {"cflib", "torch", "foxglove", "cma", "dask", "distributed"}:
+            raise ModuleNotFoundError(name=name)
+
+
+sys.meta_path.insert(0, Absent())
+from q2q_sim.tools.kernels.compile_kernels import import_kernels
+
+import_kernels()
+"""
+
+
+def test_kernels_are_found_where_no_optional_package_is_installed() -> None:
+    subprocess.run([sys.executable, "-c", WITHOUT_OPTIONS], check=True, capture_output=True, text=True)

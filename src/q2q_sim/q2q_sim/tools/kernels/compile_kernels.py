@@ -14,8 +14,17 @@ from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.q2q_packages import PACKAGES
 from q2q_sim.tools.kernels.kernel_calls import calls
 
-LEFT_OUT = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training", ".explicit_mpc")
-"""Parts of the packages that import ROS or torch, or whose kernels no flight calls."""
+LEFT_OUT = (
+    ".ros",
+    ".tools",
+    ".commands",
+    ".launching",
+    ".experiments",
+    ".torch_training",
+    ".explicit_mpc",
+    ".program_process",
+)
+"""Parts of the packages that import ROS, torch or cflib, or whose kernels no flight calls."""
 WORKERS = 2
 """Processes; a kernel that both call at once is compiled by both."""
 
