@@ -18,7 +18,6 @@ from q2q_sim.scenarios.choices import (
     TOPICS,
     WAKES,
     check_controller,
-    check_own_choices,
 )
 
 EXAMPLE = """  scripts/fly --list
@@ -73,8 +72,7 @@ def _check(args: Namespace) -> None:
 def _check_flight(args: Namespace) -> None:
     """Raise ValueError for a scenario that cannot be flown, or not with the controller's options."""
     scenario_files.check(args.scenario)
-    check_controller(args.controller)
-    check_own_choices(args.controller, correct=args.correct, limit=args.limit)
+    check_controller(args.controller, correct=args.correct, limit=args.limit)
     if args.distributed and args.controller != "mpc":
         raise ValueError(f"--distributed with --controller {args.controller}: give --controller mpc")
     if DISTRIBUTED_TOPIC in args.record and not args.distributed:

@@ -40,7 +40,7 @@ from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_planner.plan_playback.transit import TransitParams
 from q2q_sim.loop.flown_plan import plan_for
 from q2q_sim.scenarios.block_overrides import block_params
-from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS, check_controller, check_own_choices
+from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS, check_controller
 from q2q_sim.scenarios.scenario import Scenario
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
@@ -61,8 +61,7 @@ class BlockChoices:
     def __post_init__(self) -> None:
         """Check the values."""
         _check("mode", self.mode, MODES)
-        check_controller(self.controller)
-        check_own_choices(self.controller, correct=self.correct, limit=self.limited)
+        check_controller(self.controller, correct=self.correct, limit=self.limited)
         _check("replan", self.replan, REPLANNERS)
 
     @property

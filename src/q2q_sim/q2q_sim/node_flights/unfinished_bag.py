@@ -16,8 +16,13 @@ REMEDY = "make room or choose another disk, and fly again"
 
 def recorder_notes(folder: Path) -> list[str]:
     """Return what the recorder of a flight said: messages it lost, a disk that took no more."""
+    return [line for line in log_lines(folder) if line.startswith(f"{RECORDER}: ")]
+
+
+def log_lines(folder: Path) -> list[str]:
+    """Return the lines of the logs of a flight's nodes."""
     logs = [one.read_text(encoding="utf-8", errors="replace") for one in sorted(folder.glob("*.log"))]
-    return [line for log in logs for line in log.splitlines() if line.startswith(f"{RECORDER}: ")]
+    return [line for log in logs for line in log.splitlines()]
 
 
 def why_unfinished(bag: Path, folder: Path) -> str:

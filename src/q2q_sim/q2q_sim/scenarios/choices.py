@@ -44,19 +44,13 @@ TABLE_ONLY = "--table-only"
 """Option of the ablation that only writes the table."""
 
 
-def check_controller(name: str) -> None:
-    """Raise ValueError for a name that is no controller; `module:Class` is not imported."""
+def check_controller(name: str, *, correct: bool, limit: bool) -> None:
+    """Raise ValueError for no controller, or choices that a user's does not know; it is not imported."""
     if name not in CONTROLLERS and not is_own_class(name):
         raise ValueError(
             f"unknown controller {name!r}: choose one of {', '.join(CONTROLLERS)}, or give your own as "
             "module:Class"
         )
-
-
-def check_own_choices(controller: str, *, correct: bool, limit: bool) -> None:
-    """Raise ValueError for choices that a user's controller does not know."""
-    if controller in CONTROLLERS:
-        return
     for given, what in ((correct, "correct"), (not limit, "no limit of thrust")):
-        if given:
-            raise ValueError(f"controller {controller} with {what}: only for {' and '.join(CONTROLLERS)}")
+        if given and name not in CONTROLLERS:
+            raise ValueError(f"controller {name} with {what}: only for {' and '.join(CONTROLLERS)}")

@@ -8,7 +8,7 @@ two regression lines enclose the ratio of velocities, as positions and velocitie
 
     sum d e / sum d^2 <= ratio <= sum e^2 / sum d e
 
-where the axis moves. Both are 0.9 to 1.3 in the 23 public flights that have velocities (estimates onboard).
+where the axis moves. Both are 0.99 to 1.15 in the 23 public flights that have velocities (estimates onboard).
 """
 
 import numpy as np
