@@ -3,7 +3,8 @@
     z' = v,   v' = a + w + b                        a: by thrust and by the predicted downwash
     w' = -w / T + white noise,    E w^2 = sigma^2     residual of the prediction (ResidualProcess)
     b' = white noise of density 2 sigma_b^2 / T_b     offset of the vehicle: battery, mass
-    z_m = z + n_z,   y = w + b + n_y                motion capture; specific force less thrust and prediction
+    c' = white noise of density 2 sigma_c^2 / T_c     bias of the accelerometer
+    z_m = z + n_z,   y = w + b + c + n_y            motion capture; specific force less thrust and prediction
 
 Incremental control (Smeur, Chu, de Croon, J. Guid. Control Dyn. 39, 2016; Smeur, de Croon, Chu, Control Eng.
 Pract. 73, 2018) filters the measured acceleration, and the thrust alike, by a low pass of choice. Here both
@@ -16,16 +17,20 @@ With y missing, the positions correct alone: an observer of disturbances with th
 A sample y of age s is one of exp(-s / T) w with the variance R + (1 - exp(-2 s / T)) sigma^2, so an older one
 weighs less. With both missing w^ fades within T, and the model and the offset remain. Thrust enters as
 commanded, limits included, so nothing winds up at a limit. While thrust does not carry the vehicle
-(q2q_model.downwash.correction.carried_by_rotors), as on the ground, z and v are as measured, w^ fades and
-b^ stays.
+(q2q_model.downwash.correction.carried_by_rotors), as on the ground, z and v are as measured, w^ fades, and
+b^ and c^ stay.
+
+b moves the vehicle and c does not, so the positions separate them, within seconds. Without c, a bias of
+0.05 m/s^2 would be taken for a push: 6 cm of height for a loop of 0.8 m/s^2 per metre.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | z v | HEIGHT CLIMB | [m], [m/s] |
-| w b | RESIDUAL OFFSET | [m/s^2] |
+| w b c | RESIDUAL OFFSET BIAS | [m/s^2] |
 | sigma T R | process.std, time_s, noise^2 | of the residual process |
 | n_z | HEIGHT_STD | [m] |
 | sigma_b T_b | OFFSET_STD OFFSET_S | [m/s^2], [s] |
+| sigma_c T_c | BIAS_STD BIAS_S | [m/s^2], [s] |
 """
 
 from typing import NamedTuple
@@ -44,7 +49,11 @@ CLIMB_STD = 0.1
 """Deviation of the first climb rate [m/s]: that of the mocap filter on its first track."""
 OFFSET_STD = 0.3
 """Deviation of the first offset, and of its change within OFFSET_S [m/s^2]: 0.1 to 0.3 in real flights."""
-HEIGHT, CLIMB, RESIDUAL, OFFSET = range(4)
+BIAS_STD = 0.1
+"""Deviation of the first bias, and of its change within BIAS_S [m/s^2]: 0.1 on recorded flights."""
+BIAS_S = 600.0
+"""Time constant of c [s]: an accelerometer warms up within minutes."""
+HEIGHT, CLIMB, RESIDUAL, OFFSET, BIAS = range(5)
 """Columns of the state."""
 
 
@@ -52,9 +61,9 @@ class ResidualEstimate(NamedTuple):
     """Estimated state of every vehicle and its covariance."""
 
     state: Array
-    """z v w b, (n, 4)."""
+    """z v w b c, (n, 5)."""
     cov: Array
-    """(n, 4, 4)"""
+    """(n, 5, 5)"""
 
 
 class ResidualRows(NamedTuple):
@@ -86,10 +95,10 @@ class ResidualObserver:
         self._t = self._sampled_at = -np.inf
         self._known: Mask = np.zeros(0, np.bool_)
         self._sigma = np.zeros(0)
-        self.estimate = ResidualEstimate(np.zeros((0, 4)), np.zeros((0, 4, 4)))
+        self.estimate = ResidualEstimate(np.zeros((0, 5)), np.zeros((0, 5, 5)))
 
     def update(self, measured: Measurement, eta: Array, carried: Mask) -> Array:
-        """Return the state at the measurement's time, (n, 4).
+        """Return the state at the measurement's time, (n, 5).
 
         Args:
             measured: of every vehicle.
@@ -140,9 +149,9 @@ def predict_and_correct(
     `share` is what remains of w [-].
     """
     half = 0.5 * step * step
-    F = np.eye(4)
+    F = np.eye(5)
     F[0, 1], F[0, 2], F[0, 3], F[1, 2], F[1, 3], F[2, 2] = step, half, half, step, step, share
-    see = np.array([1.0, 0.0, 0.0, 0.0])
+    see = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
     for i in range(rows.height.size):
         x, P = estimate.state[i], estimate.cov[i]
         if not known[i]:
@@ -157,15 +166,15 @@ def predict_and_correct(
 
 @compiled
 def _start(x: Array, P: Array, rows: ResidualRows, i: int) -> None:
-    """Write x (4,) and P (4, 4) of a vehicle that was not known: its measurement, no residual, no offset."""
+    """Write x (5,) and P (5, 5) of a vehicle that was not known: its height and climb rate, and zeros."""
     x[:], P[:] = 0.0, 0.0
-    P[2, 2], P[3, 3] = rows.sigma[i] ** 2, OFFSET_STD**2
+    P[2, 2], P[3, 3], P[4, 4] = rows.sigma[i] ** 2, OFFSET_STD**2, BIAS_STD**2
     _restart_motion(x, P, rows, i)
 
 
 @compiled
 def _restart_motion(x: Array, P: Array, rows: ResidualRows, i: int) -> None:
-    """Set height and climb rate of x (4,) and P (4, 4) to those measured; residual and offset are left."""
+    """Set height and climb rate of x (5,) and P (5, 5) to those measured."""
     x[0], x[1] = rows.height[i], rows.climb[i]
     P[:2], P[:, :2] = 0.0, 0.0
     P[0, 0], P[1, 1] = HEIGHT_STD**2, CLIMB_STD**2
@@ -173,7 +182,7 @@ def _restart_motion(x: Array, P: Array, rows: ResidualRows, i: int) -> None:
 
 @compiled
 def _propagate(x: Array, P: Array, F: Array, acc: float, sigma: float) -> None:
-    """Move x (4,) and P (4, 4) on by a step, whose transition is F (4, 4), under `acc` [m/s^2]."""
+    """Move x (5,) and P (5, 5) on by a step, whose transition is F (5, 5), under `acc` [m/s^2]."""
     step, half, share = F[0, 1], F[0, 2], F[2, 2]
     x[:] = F @ x
     x[0] += half * acc
@@ -181,15 +190,16 @@ def _propagate(x: Array, P: Array, F: Array, acc: float, sigma: float) -> None:
     P[:] = F @ P @ F.T
     P[2, 2] += (1.0 - share**2) * sigma**2
     P[3, 3] += 2.0 * step / OFFSET_S * OFFSET_STD**2
+    P[4, 4] += 2.0 * step / BIAS_S * BIAS_STD**2
 
 
 @compiled
 def correct_by_push(estimate: ResidualEstimate, rows: Mask, push: Array, noise: Array, share: float) -> None:
-    """Correct `rows` (n,) in place by y [m/s^2], (n,), samples of share w + b.
+    """Correct `rows` (n,) in place by y [m/s^2], (n,), samples of share w + b + c.
 
     `noise` (n,) is their variance [m^2/s^4].
     """
-    see = np.array([0.0, 0.0, share, 1.0])
+    see = np.array([0.0, 0.0, share, 1.0, 1.0])
     for i in range(push.size):
         if rows[i]:
             _correct(estimate.state[i], estimate.cov[i], see, push[i], noise[i])
@@ -197,11 +207,11 @@ def correct_by_push(estimate: ResidualEstimate, rows: Mask, push: Array, noise: 
 
 @compiled
 def _correct(x: Array, P: Array, see: Array, measured: float, noise: float) -> None:
-    """Correct x (4,) and P (4, 4) by a measurement of see . x."""
+    """Correct x (5,) and P (5, 5) by a measurement of see . x."""
     shared = P @ see
     variance = see @ shared + noise
     missed = measured - see @ x
-    for i in range(4):
+    for i in range(5):
         x[i] += shared[i] * missed / variance
-        for j in range(4):
+        for j in range(5):
             P[i, j] -= shared[i] * shared[j] / variance

@@ -140,7 +140,7 @@ class DisturbanceTracker:
 
 
 def _with_vertical(estimate: Estimate, state: Array, most: float) -> Estimate:
-    """Return the estimate with the height, climb rate and disturbance, at most `most`, of `state` (n, 4)."""
+    """Return the estimate with the height, climb rate and disturbance, at most `most`, of `state` (n, 5)."""
     pos, vel, disturbance = (part.copy() for part in estimate)
     pos[:, 2], vel[:, 2] = state[:, HEIGHT], state[:, CLIMB]
     disturbance[:, 2] = np.clip(state[:, RESIDUAL] + state[:, OFFSET], -most, most)

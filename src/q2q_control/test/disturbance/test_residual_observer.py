@@ -8,6 +8,9 @@ from scipy.signal import lfilter
 from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
 from q2q_control.disturbance.observer import MeasuredRows, Measurement
 from q2q_control.disturbance.residual_observer import (
+    BIAS,
+    BIAS_S,
+    BIAS_STD,
     CLIMB,
     HEIGHT,
     HEIGHT_STD,
@@ -39,8 +42,8 @@ def seen(t: float, height: float, acc: float = 0.0, fresh: bool = True) -> Measu
 def run(
     observer: ResidualObserver, height: Array, push: Array | None = None, eta: float = 0.0, age: int = 0
 ) -> Array:
-    """Return the states of a vehicle at heights (k,), felt to be pushed by (k,) `age` ticks ago, (k, 4)."""
-    states = np.empty((height.size, 4))
+    """Return the states of a vehicle at heights (k,), felt to be pushed by (k,) `age` ticks ago, (k, 5)."""
+    states = np.empty((height.size, 5))
     for k, z in enumerate(height):
         states[k] = observer.update(seen(k * DT, z), np.array([eta]), CARRIED)[0]
         if push is not None and k >= age:
@@ -59,16 +62,18 @@ def steady_gain(process: ResidualProcess) -> float:
 def test_a_step_of_the_push_is_followed_by_the_poles_of_the_riccati_equation() -> None:
     """A vehicle starts to be pushed by 1 m/s^2; the estimates of two methods agree."""
     a = NO_SLOPE.correlation(DT)
-    F = np.array([[1, DT, DT**2 / 2, DT**2 / 2], [0, 1, DT, DT], [0, 0, a, 0], [0, 0, 0, 1]])
-    H = np.array([[1.0, 0, 0, 0], [0, 0, 1, 1]])
-    Q = np.diag([0.0, 0.0, (1 - a**2) * NO_SLOPE.floor**2, 2 * DT / OFFSET_S * OFFSET_STD**2])
+    F = np.diag([1.0, 1.0, a, 1.0, 1.0])
+    F[0, 1:4], F[1, 2:4] = [DT, DT**2 / 2, DT**2 / 2], DT
+    H = np.array([[1.0, 0, 0, 0, 0], [0, 0, 1, 1, 1]])
+    offset, bias = 2 * DT / OFFSET_S * OFFSET_STD**2, 2 * DT / BIAS_S * BIAS_STD**2
+    Q = np.diag([0.0, 0.0, (1 - a**2) * NO_SLOPE.floor**2, offset, bias])
     R = np.diag([HEIGHT_STD**2, NO_SLOPE.noise**2])
     P = solve_discrete_are(F.T, H.T, Q, R)
     gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
     k = np.arange(2100)
     push = np.where(k >= 2000, 1.0, 0.0)
     height = np.where(k >= 2000, 0.5 * ((k - 2000) * DT) ** 2, 0.0)
-    observer, x = ResidualObserver(NO_SLOPE), np.zeros(4)
+    observer, x = ResidualObserver(NO_SLOPE), np.zeros(5)
     for i in k:
         observer.update(seen(i * DT, height[i]), np.zeros(1), CARRIED)
         observer.correct_by_accelerometer(i * DT, push[[i]])
@@ -91,6 +96,14 @@ def test_noise_of_the_accelerometer_reaches_the_estimate_with_the_variance_of_th
     total = states[500:, RESIDUAL] + states[500:, OFFSET]
     assert total.var() < expected  # positions separate noise from motion
     assert total.std() < 0.012 * GRAVITY
+
+
+def test_a_bias_of_the_accelerometer_is_told_from_a_push_by_the_positions() -> None:
+    """A vehicle hovers still and feels 0.1 m/s^2: within 10 s less than a tenth is taken for a push."""
+    states = run(ResidualObserver(REAL_FLIGHTS), np.zeros(2000), np.full(2000, BIAS_STD))
+    taken = states[:, RESIDUAL] + states[:, OFFSET]
+    assert np.abs(taken[1000:]).max() < 0.1 * BIAS_STD
+    assert states[-1, BIAS] == pytest.approx(BIAS_STD, rel=0.1)
 
 
 def test_without_accelerometer_the_positions_alone_find_a_push() -> None:
