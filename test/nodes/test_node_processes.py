@@ -75,6 +75,22 @@ def build(node):
 run("node", build, lambda calls: print("ended within 1 s:", calls[-1] - calls[4] < 1.0))
 """
 """Node with a timer whose callback takes longer than its period, ended at the fifth call."""
+NO_HANG_UP = """
+import os, signal
+from q2q_model.ros.node.run import run
+
+def build(node):
+    calls = []
+    def kill():
+        calls.append(None)
+        os.kill(os.getpid(), signal.SIGINT if len(calls) == 5 else signal.SIGHUP)
+    node.create_timer(0.01, kill)
+    return calls
+
+signal.signal(signal.SIGHUP, signal.SIG_IGN)
+run("node", build, lambda calls: print("called on:", len(calls) >= 5))
+"""
+"""Node started by nohup, that gets four SIGHUP, and then SIGINT."""
 FOR_EVER = """<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns="http://www.eprosima.com"><profiles>
   <participant profile_name="for_ever" is_default_profile="true"><rtps><builtin><discovery_config>
@@ -141,12 +157,17 @@ def test_an_interrupt_while_a_node_is_built_ends_it_once_built_and_a_second_one_
     assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, printed, "")
 
 
+def test_a_node_runs_on_when_its_terminal_closes_if_it_ignores_that() -> None:
+    done = subprocess.run([sys.executable, "-c", NO_HANG_UP], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, "called on: True\n", "")
+
+
 def test_callbacks_run_on_while_a_node_lands() -> None:
     done = subprocess.run([sys.executable, "-c", LANDING], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, "down after 5 calls: True\n", "")
 
 
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_node_with_a_timer_that_is_always_overdue_ends_on_a_signal(name: str) -> None:
     process = [sys.executable, "-c", OVERDUE.replace("{name}", name)]
     done = subprocess.run(process, capture_output=True, text=True, check=False, timeout=TIMEOUT_S)

@@ -1,8 +1,9 @@
 """Process of one or more nodes: start, spin, clean shutdown, one-line errors.
 
-SIGINT and SIGTERM are handled here: rclpy would shut ROS down in the middle of a callback, and Python would
-raise KeyboardInterrupt anywhere, e.g. while llvmlite frees memory, which is then freed twice. A first signal
-lets the running callback, or the building of nodes, complete; a second one while they are built ends at once.
+SIGINT, SIGTERM and SIGHUP (of a closed terminal) are handled here: rclpy would shut ROS down in the middle of
+a callback, and Python would raise KeyboardInterrupt anywhere, e.g. while llvmlite frees memory, which is then
+freed twice. A first signal lets the running callback, or the building of nodes, complete; a second one while
+they are built ends at once. An ignored SIGHUP (nohup) remains ignored.
 """
 
 import gc
@@ -34,7 +35,7 @@ LEAVE_S = 20
 """Timeout of the ROS shutdown [s]: Fast DDS 2.14 can deadlock when others leave at the same moment."""
 HAND_OVER = Duration(seconds=2.0)
 """Longest wait of a finished node for the subscribers of one topic."""
-ENDING = (signal.SIGINT, signal.SIGTERM)
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 Kept = TypeVar("Kept")
 
@@ -52,7 +53,7 @@ def run(
     end: Callable[[Kept], None] | None = None,
     land: Callable[[Kept], float] | None = None,
 ) -> None:
-    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on an error of the node.
+    """Run a node until SIGINT, SIGTERM or SIGHUP; exit 0 then, 2 on an error of the node.
 
     Such errors are an invalid parameter or input file, and NodeFailedError.
 
@@ -148,7 +149,8 @@ class _Ending:
     def __init__(self) -> None:
         self.requested, self.building = False, True
         for number in ENDING:
-            signal.signal(number, self._ask)
+            if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, self._ask)
 
     def _ask(self, _: int, __: FrameType | None) -> None:
         if self.requested and self.building:
