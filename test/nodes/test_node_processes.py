@@ -216,6 +216,12 @@ def test_a_parameter_there_is_not_is_answered_with_the_nearest_right_one(
     assert f"did you mean {right}?" in refusal(package, executable, wrong)
 
 
+def test_a_parameter_of_every_ros_node_of_the_wrong_type_is_refused() -> None:
+    lines = refusal("q2q_model", "mocap_filter", ["use_sim_time:=1"])
+    expected = "'use_sim_time' to '1' of type 'INTEGER', expecting type 'BOOL'; give true or false\n"
+    assert lines == f"mocap_filter: Trying to set parameter {expected}"
+
+
 def test_bag_play_ends_when_the_bag_does() -> None:
     process = start("q2q_sim", "bag_play", ros_words([f"bag:={ROOT / 'bags/table2_1'}", "rate:=1000.0"]))
     _, lines = process.communicate(timeout=TIMEOUT_S)

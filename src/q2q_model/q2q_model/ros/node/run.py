@@ -18,7 +18,7 @@ from weakref import WeakSet
 
 import rclpy
 from rclpy.duration import Duration
-from rclpy.exceptions import NameValidationException
+from rclpy.exceptions import InvalidParameterTypeException, NameValidationException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -44,6 +44,8 @@ class NodeFailedError(RuntimeError):
     """Error in a callback that ends the node, as in lockstep, where all others would wait for its output."""
 
 
+REFUSALS = (ValueError, OSError, NameValidationException, InvalidParameterTypeException, NodeFailedError)
+"""Errors that end the process with one line and status 2."""
 _FINISHED: WeakSet[Node] = WeakSet()
 
 
@@ -96,7 +98,7 @@ def run_together(
             if end is not None:
                 for one in kept.values():
                     end(one)
-    except (ValueError, OSError, NameValidationException, NodeFailedError) as refusal:
+    except REFUSALS as refusal:
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)  # it is ending; an interrupt must not replace the status
         print(f"{name}: {_in_one_line(refusal)}", file=sys.stderr)
@@ -108,9 +110,13 @@ def run_together(
 
 
 def _in_one_line(refusal: Exception) -> str:
-    """Return an error's text; that of a topic's name has a line for a mark below it."""
+    """Return an error's text, without what rclpy adds to it."""
     text = str(refusal)
-    return " ".join(text.rstrip("^ \n").split()) if isinstance(refusal, NameValidationException) else text
+    if isinstance(refusal, NameValidationException):  # a line with a mark below the name
+        return " ".join(text.rstrip("^ \n").split())
+    if isinstance(refusal, InvalidParameterTypeException):  # the name again; rclpy's own parameters are bool
+        return f"{text.rpartition(': ')[0]}; give true or false"
+    return text
 
 
 def start_ros(arguments: Sequence[str] | None = None) -> None:
