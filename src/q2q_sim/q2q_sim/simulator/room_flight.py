@@ -22,16 +22,12 @@ from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.simulator.command_stamps import CommandStamps
 from q2q_sim.simulator.flight_clock import FlightClock
 from q2q_sim.simulator.flight_output import NOTHING, Output, StampedSignal
+from q2q_sim.simulator.locked_motors import LockedMotors
 from q2q_sim.simulator.resend_timer import ResendTimer
 from q2q_sim.simulator.simulator_params import SimulatorParams
 
 STALL_CHECK_S = 0.05
 """Period of the check for stalled ticks in lockstep [s]."""
-_LOCKED = (
-    "motors locked (at the start, or after 2 s without a command) until a command has no thrust: start the "
-    'simulator with -p starts_after:="[mocap_filter, pid]", the nodes to wait for, or with autostart:=false '
-    "and call ~/start"
-)
 
 
 class RoomFlight:
@@ -66,6 +62,7 @@ class RoomFlight:
             f"no command in {params.command_timeout_s:g} s (`command_timeout_s`): the vehicles fly without "
             f"one, a tick every {params.resend_period_s:g} s"
         )
+        self._locks = LockedMotors()
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
         self._is_answered = False
@@ -92,7 +89,7 @@ class RoomFlight:
     def locked(self) -> str:
         """Return which vehicles keep their motors off, why, and what to do; empty if none does."""
         names = self._room.locked if self.is_flying and self._firmware is None and not self.misstamped else ()
-        return f"{listed(names)}: {_LOCKED}" if names else ""
+        return self._locks.note(names)
 
     @property
     def misstamped(self) -> str:
@@ -137,6 +134,7 @@ class RoomFlight:
 
     def take(self, stamp_ns: int, offered: SwarmCommand) -> Output:
         """Take the command of a stamp [ns], as `receive` does."""
+        self._locks.take(offered.names)
         try:
             command = self._gate.offer(stamp_ns, offered)
         except ValueError as refusal:

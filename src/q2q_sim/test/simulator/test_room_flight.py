@@ -176,11 +176,28 @@ def test_live_vehicles_that_no_command_reached_for_2_s_are_reported_as_locked_un
         locks[tick] = flown.locked
         if tick in {220, 250}:
             flown.receive(encode(command(0.3 if tick < 250 else 0.0), tick * TICK_NS))
-    why = "motors locked (at the start, or after 2 s without a command) until a command has no thrust"
-    remedy = 'start the simulator with -p starts_after:="[mocap_filter, pid]", the nodes to wait for'
-    locked = f"{', '.join(SCENARIO.names)}: {why}: {remedy}, or with autostart:=false and call ~/start"
-    assert {tick for tick, text in locks.items() if text} == set(range(202, 251))
-    assert set(locks.values()) == {"", locked}
+    names = ", ".join(SCENARIO.names)
+    locked = (
+        f"{names}: motors locked (at the start, or after 2 s without a command) until a command has no thrust"
+    )
+    remedy = 'no command has come: start the simulator with -p starts_after:="[mocap_filter, pid]"'
+    before = f"{locked}: {remedy}, the nodes to wait for, or with autostart:=false and call ~/start"
+    after = f"{locked}: restart this node for another flight"
+    assert {tick for tick, text in locks.items() if text == before} == set(range(202, 221))
+    assert {tick for tick, text in locks.items() if text == after} == set(range(221, 251))
+    assert set(locks.values()) == {"", before, after}
+
+
+def test_live_a_vehicle_that_commands_do_not_name_is_reported_as_such() -> None:
+    flown = flight(Wall(), replace(PARAMS, pace="live"), duration=5.0)
+    flown.start()
+    first, *others = SCENARIO.names
+    one = level_command(0.0, (first,), np.full(1, 0.3))
+    for tick in range(300):
+        flown.on_timer()
+        flown.receive(encode(one, tick * TICK_NS))
+    check = "check that the plan and the controller's `vehicles` do"
+    assert flown.locked == f"no command names {', '.join(others)}: {check}"
 
 
 def test_a_command_that_is_not_finite_is_refused_and_the_flight_goes_on() -> None:
