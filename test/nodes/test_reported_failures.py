@@ -4,6 +4,7 @@ import math
 import socket
 from contextlib import closing
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,9 +23,13 @@ from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import TICK_S, stamp_from_time
-from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import CommandStatus, MocapFrame, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.trajectory import plan_file
+from q2q_planner.ros import trajectory_node
+from q2q_sim.loop import flight_blocks
 from q2q_sim.ros import simulator_node
 from q2q_sim.ros.simulator_node import Simulator
+from q2q_sim.scenarios import library
 
 CUT = "motors cut by all/emergency: restart this node to fly"
 LOST = (
@@ -138,6 +143,16 @@ def test_packets_that_vehicles_refuse_are_a_doubt_of_the_simulator_while_they_co
             simulator._diagnostics()
             doubts.append(health_report(Health(), simulator._flight.health).summary)
     assert doubts == ["no tick", f"CRTP of {name}: packets refused: 2 (port 10: not served)", "no tick"]
+
+
+def test_a_trajectory_node_logs_at_which_stamp_its_plan_begins(tmp_path: Path) -> None:
+    plan_file.save(tmp_path / "plan.json", flight_blocks.plan_of(library.load("table6")))
+    node = RoomNode("trajectory", {"plan": str(tmp_path / "plan.json")}, {})
+    trajectory_node.build(node)
+    assert node.lines == []
+    for t in (3.25, 3.26):
+        node.takers["mocap"](encode(synthetic_signal(MocapFrame, t), stamp_from_time(t)))
+    assert node.lines == ["the plan begins at stamp 3.250 s"]
 
 
 def test_a_simulator_in_lockstep_warns_once_of_the_command_that_it_waits_for_and_of_giving_it_up(

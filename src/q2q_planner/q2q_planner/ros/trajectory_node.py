@@ -1,7 +1,8 @@
 """Trajectory node: plays a plan: `mocap` in for its ticks, `reference` out; the plan is latched on `plan`.
 
 With `wait:=true` the plan waits for service calls, and is latched on `next_plan`. Until the first call the
-reference is at the measured positions of the vehicles.
+reference is at the measured positions of the vehicles. Without it the plan begins at the first tick, or at
+`start`, with its first points as references, wherever the vehicles are, also in a node restarted in flight.
 
 | service | effect |
 |---|---|
@@ -74,7 +75,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         )
     plan = load_plan(Path(params.plan))
     player = PlanPlayer(plan, params.start, declare(node, TransitParams()), wait=params.wait)
-    played = _PlayedPlan(player, node.create_publisher(Plan, PLAN, LATCHED))
+    played = _PlayedPlan(player, node.create_publisher(Plan, PLAN, LATCHED), node.get_logger().info)
     if player.played is not None:  # known before the first tick, in time for previews
         note_latched(node, played.publisher)
     played.publish()
@@ -107,16 +108,18 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
 class _PlayedPlan:
     """Publisher of the plan that is played."""
 
-    def __init__(self, player: PlanPlayer, publisher: Publisher) -> None:
-        self.publisher = publisher
+    def __init__(self, player: PlanPlayer, publisher: Publisher, log: Callable[[str], object]) -> None:
+        self.publisher, self._log = publisher, log
         self._player = player
         self._last: Played | None = None
 
     def publish(self) -> None:
-        """Publish the plan if it has changed."""
+        """Publish the plan if it has changed; log the start of one that no call began."""
         played = self._player.played
         if played is not None and played is not self._last:
             self.publisher.publish(encode_plan(played.plan, played.start_ns))
+            if not played.called:
+                self._log(f"the plan begins at stamp {played.start:.3f} s")
         self._last = played
 
     def service(
