@@ -144,6 +144,29 @@ def test_an_exit_and_an_error_without_words_are_errors_of_the_controller(
         CheckedController(Leaving(CRAZYFLIE_2_0), CRAZYFLIE_2_0).reset()
 
 
+class Tensor:
+    """Array that refuses to be one of numpy's, as a tensor of torch that requires grad."""
+
+    def __array__(self, *_: object, **__: object) -> None:
+        """Fail."""
+        raise RuntimeError("use detach()")
+
+
+def test_a_command_that_fails_to_become_an_array_is_an_error_of_the_controller() -> None:
+    class Learned(PdExample):
+        def update(
+            self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+        ) -> SwarmCommand:
+            return replace(super().update(state, setpoint, interference), thrust=Tensor())  # type: ignore[arg-type]
+
+    own = LevelOnError(CheckedController(Learned(CRAZYFLIE_2_0), CRAZYFLIE_2_0))
+    assert (own.update(state_at(0.0), setpoint_at(0.0), None).status == LEVEL).all()
+    said = (
+        r"Learned: thrust is not an array \(RuntimeError: use detach\(\)\); must be floats of shape \(2,\)$"
+    )
+    assert re.search(said, own.error)
+
+
 def test_while_it_fails_vehicles_are_levelled_and_then_landed() -> None:
     own = LevelOnError(CheckedController(Failing(CRAZYFLIE_2_0), CRAZYFLIE_2_0))
     guard = guarded(own)

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
+from q2q_model.own_class import error_line
 from q2q_model.signals.values import Array
 
 
@@ -31,8 +32,8 @@ def checked_array(output: object, shape: tuple[int, ...]) -> Array:
     needed = f"must be floats of shape {shape}"
     try:
         given = np.asarray(output)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"is not an array ({type(error).__name__}: {error}); {needed}") from error
+    except Exception as error:  # of a user's class: a tensor of torch that requires grad raises RuntimeError
+        raise ValueError(f"is not an array ({error_line(error)}); {needed}") from error
     if given.shape != shape or given.dtype.kind not in "fiu":
         raise ValueError(f"is {given.dtype} of shape {given.shape}; {needed}")
     return given

@@ -89,6 +89,22 @@ class Ragged(SideWind):
         return Push([[0.0], [0.0, 0.0]], now.pos)  # type: ignore[arg-type]
 
 
+class Tensor:
+    """Array that refuses to be one of numpy's, as a tensor of torch that requires grad."""
+
+    def __array__(self, *_: object, **__: object) -> None:
+        """Fail."""
+        raise RuntimeError("use detach()")
+
+
+class Learned(SideWind):
+    """Wake with such a tensor."""
+
+    def push(self, now: Sources) -> Push:
+        """Return a push."""
+        return Push(now.pos, Tensor())  # type: ignore[arg-type]
+
+
 class Words(SideWind):
     """Wake of another kind of array."""
 
@@ -216,6 +232,10 @@ def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
         (
             f"{HERE}:Ragged",
             r":Ragged: acc is not an array \(ValueError: .*\); must be floats of shape \(3, 3\)$",
+        ),
+        (
+            f"{HERE}:Learned",
+            r":Learned: torque is not an array \(RuntimeError: use .*\); must be floats of shape \(3, 3\)$",
         ),
         (f"{HERE}:Words", r":Words: acc is <U32 of shape \(3, 3\); must be floats of shape"),
         (f"{HERE}:Chatty", r":Chatty: push raised TypeError: Failed in nopython mode$"),
