@@ -1,12 +1,17 @@
 """Vehicles that their controller brought down, away from their plan, or flew without feedback to the end.
 
-| finding | commands |
-|---|---|
-| motors were cut | CUT |
-| motors were cut by an emergency stop | CUT right after OK, SATURATED or DEGRADED |
-| landed without measurements | LAND on the floor |
-| was never measured | from the first to the last, or to CUT, LEVEL or LAND |
-| was flown without measurements to the end | the last is LAND |
+| finding | commands | filtered position |
+|---|---|---|
+| motors were cut | CUT | |
+| motors were cut by an emergency stop | CUT right after OK, SATURATED or DEGRADED | |
+| landed without measurements | LAND on the floor | held or absent |
+| landed on the failsafe's commands | LAND on the floor | measured |
+| was never measured | from the first to the last, or to CUT, LEVEL or LAND | held or absent |
+| was flown without measurements to the end | the last is LAND | held or absent |
+| was flown on the failsafe's commands to the end | the last is LAND | measured |
+
+The mocap filter holds the position of a vehicle that is lost. One that is measured is landed where its
+controller fails, or has no setpoint or other input.
 
 The failsafe (q2q_control.failsafe.fallback_phases) cuts after LAND, after LEVEL where land_after_s is
 cut_after_s, or after HOLD where a clock was set ahead by seconds, and an emergency stop at any time: a cut
@@ -31,6 +36,8 @@ WITHOUT_FEEDBACK = (CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands without feedback beyond HOLD, which is short and follows a measurement."""
 BEFORE_FAILSAFE_CUT = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND)
 """Commands right after which the failsafe may cut."""
+RECENT_S = 0.5
+"""Time before the end of a landing over which the cause is looked for [s]: LAND begins 1 s after a loss."""
 
 
 def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Finding]:
@@ -41,22 +48,39 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
         status = trace.command_status[:, row]
         given = np.isfinite(status)
         t, commands = trace.t[given], status[given]
-        never = is_whole and _is_never_measured(commands)
+        never = is_whole and _is_without_feedback(commands) and not _is_measured(trace, row)
         if never:
             yield Finding(float(trace.t[0]), f"{name} was never measured")
         cause = " by an emergency stop" if _is_emergency_stop(t, commands) else ""
         ends = {
             f"{name}'s motors were cut{cause}": status == CommandStatus.CUT,
-            f"{name} landed without measurements": (status == CommandStatus.LAND) & down[:, row],
+            f"{name} landed": (status == CommandStatus.LAND) & down[:, row],
         }
         first = {words: float(trace.t[mask][0]) for words, mask in ends.items() if mask.any()}
         for words, at in sorted(first.items(), key=lambda one: one[1])[:1]:
-            yield Finding(at, f"{words} at {at - begin:.1f} s")
-        if reaches_end and not first and not never and (since := _unmeasured_since(t, commands)) is not None:
-            yield Finding(since, f"{name} flew without measurements from {since - begin:.1f} s to the end")
+            how = _without_what(trace, row, at) if words.endswith("landed") else ""
+            yield Finding(at, f"{words}{how} at {at - begin:.1f} s")
+        if reaches_end and not first and not never and (since := _landing_since(t, commands)) is not None:
+            how = _without_what(trace, row, float(trace.t[-1]))
+            yield Finding(since, f"{name} flew{how} from {since - begin:.1f} s to the end")
 
 
-def _is_never_measured(status: Array) -> bool:
+def _without_what(trace: FlightTrace, row: int, at: float) -> str:
+    """Return in words how a vehicle was landed, from what was measured just before a time [s]."""
+    measured = _is_measured(trace, row, at - RECENT_S, at)
+    return " on the failsafe's commands, although measured," if measured else " without measurements"
+
+
+def _is_measured(trace: FlightTrace, row: int, begin: float = -np.inf, end: float = np.inf) -> bool:
+    """Return whether the filtered position of a vehicle changes in most ticks of a time [s]."""
+    known = np.flatnonzero(np.isfinite(trace.state_pos[:, row]).all(axis=1))
+    pos, changes = trace.state_pos[known, row], np.zeros(len(trace.t))
+    changes[known[1:]] = (pos[1:] != pos[:-1]).any(axis=1)
+    within = changes[(trace.t > begin) & (trace.t <= end)]
+    return bool(within.sum() > 0.5 * len(within))
+
+
+def _is_without_feedback(status: Array) -> bool:
     """Return whether none of a vehicle's commands, (C,), has feedback, and some are not CUT."""
     flown = status[status != CommandStatus.CUT]
     return bool(len(flown)) and bool(np.isin(flown, WITHOUT_FEEDBACK).all())
@@ -70,7 +94,7 @@ def _is_emergency_stop(t: Array, status: Array) -> bool:
     return status[first - 1] not in BEFORE_FAILSAFE_CUT
 
 
-def _unmeasured_since(t: Array, status: Array) -> float | None:
+def _landing_since(t: Array, status: Array) -> float | None:
     """Return since when a vehicle had no feedback [s], if its last command is LAND; t and status are (C,)."""
     if not len(t) or status[-1] != CommandStatus.LAND:
         return None

@@ -1,9 +1,12 @@
 """The verdict names vehicles that were cut, by whom, and those that landed or flew without measurements."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from judged_hover import TICKS, T, flown, moved, output
 
+from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus
 
 DOWN = (0.0, 1.0, 0.0)
@@ -47,6 +50,40 @@ def test_a_vehicle_that_is_flown_without_measurements_to_the_end_is_reported() -
     )
     status[:, 1] = CommandStatus.CUT
     assert output(flown(status=status)) == "cf2's motors were cut at 0.0 s"
+
+
+def _with_measured_cf2(flight: Flight, until: float) -> Flight:
+    """Return the flight with filtered positions [m], cf2's with 1 mm of noise, held from a time [s]."""
+    pos = flight.true_pos.copy()
+    pos[until > T, 1, 0] += 1e-3 * np.sin(np.arange((until > T).sum()))
+    return replace(flight, pos=pos)
+
+
+@pytest.mark.parametrize(
+    ("lost_at", "how"),
+    [(20.0, "on the failsafe's commands, although measured,"), (7.0, "without measurements")],
+)
+def test_a_measured_vehicle_that_the_failsafe_lands_did_not_lack_measurements(
+    lost_at: float, how: str
+) -> None:
+    """A controller that fails is levelled and landed too."""
+    status = np.zeros((TICKS, 2))
+    status[T >= 6.995, 1] = CommandStatus.LEVEL
+    status[T >= 7.995, 1] = CommandStatus.LAND
+    said = output(_with_measured_cf2(flown(status=status), lost_at))
+    assert said == f"cf2 flew {how} from 7.0 s to the end"
+    status[T >= 9.5, 1] = 0.0
+    landed = flown(moved(9.0, 20.0, 1, DOWN), status=status)
+    assert output(_with_measured_cf2(landed, lost_at)) == f"cf2 landed {how} at 9.0 s"
+
+
+def test_a_measured_vehicle_whose_controller_always_fails_was_measured() -> None:
+    status = np.zeros((TICKS, 2))
+    status[:, 1] = CommandStatus.LEVEL
+    assert output(_with_measured_cf2(flown(status=status), 2.0)) == "cf2 was never measured"
+    status[T >= 1.0, 1] = CommandStatus.LAND
+    said = "cf2 flew on the failsafe's commands, although measured, from 0.0 s to the end"
+    assert output(_with_measured_cf2(flown(status=status), 20.0)) == said
 
 
 @pytest.mark.parametrize(
