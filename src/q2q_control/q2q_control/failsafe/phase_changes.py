@@ -2,8 +2,9 @@
 
 A vehicle's phase is the status of its command: HOLD, LEVEL, LAND or CUT; else the controller flies it. The
 same change of the same vehicles is reported once, and again after SETTLED_S without any phase or in a new
-flight. After a landing of LANDED commands all is reported again: each is an event, and the log would end
-with the first. Shorter ones may flicker, where two sources with clocks of their own send motion capture.
+flight; that they are flown again, also after each phase that is reported. After a landing of LANDED commands
+all is reported again: each is an event, and the log would end with the first. Shorter ones may flicker, where
+two sources with clocks of their own send motion capture.
 """
 
 from dataclasses import dataclass
@@ -93,8 +94,16 @@ class PhaseChanges:
         self._names, self._phases = command.names, phases
         found = [PhaseChange(one, self._having(one, phases != before)) for one in (FLOWN, *_PHASES)]
         new = tuple(one for one in found if one.names and one not in self._reported)
-        self._reported.update(new)
+        self._report(new)
         return new
+
+    def _report(self, new: tuple[PhaseChange, ...]) -> None:
+        """Take changes as reported; that vehicles which enter a phase are flown again is then news."""
+        fallen = {name for one in new if one.phase is not FLOWN for name in one.names}
+        self._reported = {
+            one for one in self._reported if one.phase is not FLOWN or fallen.isdisjoint(one.names)
+        }
+        self._reported.update(new)
 
     def _count_landing(self, names: Names, phases: Status) -> None:
         """Count the commands that land each vehicle; after many, its flight on is a new event."""

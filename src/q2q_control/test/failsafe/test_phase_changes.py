@@ -54,6 +54,22 @@ def test_one_dropout_after_another_is_reported_once_and_one_after_a_calm_time_an
     assert reported(changes, command(1.1 + SETTLED_S, HOLD, OK)) == ["cf1: failsafe HOLD"]
 
 
+@pytest.mark.parametrize(
+    ("steps", "last"),
+    [
+        (((HOLD, OK), (OK, OK), (HOLD, OK), (LEVEL, OK), (OK, OK)), ["cf1: failsafe LEVEL"]),
+        (((HOLD, HOLD), (OK, OK), (HOLD, OK), (OK, OK)), ["cf1: failsafe HOLD"]),
+        (((HOLD, OK), (OK, OK), (HOLD, HOLD), (OK, HOLD)), ["cf1, cf2: failsafe HOLD"]),
+    ],
+)
+def test_that_they_are_flown_again_is_the_last_line_whatever_was_reported_before(
+    steps: tuple[tuple[int, int], ...], last: list[str]
+) -> None:
+    changes = PhaseChanges()
+    lines = [line for k, status in enumerate(steps) for line in reported(changes, command(k * TICK, *status))]
+    assert lines[-2:] == [*last, "cf1: the controller flies again"]
+
+
 @pytest.mark.parametrize("resumed", [(), (HOLD,)])
 def test_each_landing_is_reported_and_that_they_are_flown_on_after_it(resumed: tuple[int, ...]) -> None:
     """A filter that is killed twice within 10 s lands them twice; the log must not end with a landing."""
