@@ -25,6 +25,11 @@ class ConflictingCommands:
         self._recent: dict[int, dict[Names, SwarmCommand]] = {}  # by stamp [ns] and vehicles
         self._conflicts: Counter[str] = Counter()
 
+    @property
+    def commanded(self) -> Names:
+        """Return the vehicles that the commands of the recent ticks name, sorted."""
+        return tuple(sorted({name for tick in self._recent.values() for names in tick for name in names}))
+
     def take(self, stamp_ns: int, command: SwarmCommand) -> None:
         """Take the command of a stamp [ns]."""
         earlier = self._recent.setdefault(stamp_ns, {})

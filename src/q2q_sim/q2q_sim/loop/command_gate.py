@@ -34,13 +34,17 @@ class CommandGate:
     def offer(self, stamp_ns: int, command: SwarmCommand) -> SwarmCommand | None:
         """Add a command; return the swarm's command when complete, None before that and for other ticks.
 
+        Rows of vehicles that do not exist are left out, as `radio` and `crazyswarm` do.
+
         Raises:
-            ValueError: the command names a vehicle that does not exist.
+            ValueError: the command names only vehicles that do not exist.
         """
         if self._exact and command.names == self._names:
             return command if stamp_ns == self._stamp_ns else None
-        _check_known(command.names, self._names)
-        rows = {name: row for row, name in enumerate(command.names) if self._accepts(name, stamp_ns)}
+        known = {name: row for row, name in enumerate(command.names) if name in self._names}
+        if command.names and not known:
+            raise ValueError(unknown_vehicles(command.names, self._names))
+        rows = {name: row for name, row in known.items() if self._accepts(name, stamp_ns)}
         self._rows |= {name: (command, row) for name, row in rows.items()}
         self._done_ns |= dict.fromkeys(rows, stamp_ns)
         return self.arrived() if rows and len(self._rows) == len(self._names) else None
@@ -69,11 +73,12 @@ def joined_command(names: Names, commands: Sequence[SwarmCommand]) -> SwarmComma
     )
 
 
-def _check_known(names: Names, known: Names) -> None:
-    """Raise ValueError if a command names a vehicle that does not exist."""
-    unknown = [] if names == known else [name for name in names if name not in known]
-    if unknown:
-        raise ValueError(f"command for unknown vehicle {listed(unknown)}; the vehicles are {listed(known)}")
+def unknown_vehicles(commanded: Names, names: Names) -> str:
+    """Return which commanded vehicles do not exist, and which do; empty if all exist."""
+    unknown = [name for name in commanded if name not in names]
+    return (
+        f"command for unknown vehicle {listed(unknown)}; the vehicles are {listed(names)}" if unknown else ""
+    )
 
 
 def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:

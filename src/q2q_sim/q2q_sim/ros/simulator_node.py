@@ -42,6 +42,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.link.conflicting_commands import conflict_note
+from q2q_sim.loop.command_gate import unknown_vehicles
 from q2q_sim.ros.ready_nodes import ReadyNodes
 from q2q_sim.simulator.flight_clock import timing_as_text
 from q2q_sim.simulator.flight_output import OUTPUTS, Output
@@ -52,7 +53,9 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND, CLOCK, CRTP, LOCKED, CONFLICTS, STAMPS = "command", "/clock", "crtp", "locked", "conflicts", "stamps"
+COMMAND, CLOCK, CRTP = "command", "/clock", "crtp"
+LOCKED, CONFLICTS, STAMPS, UNKNOWN = "locked", "conflicts", "stamps", "unknown"
+"""What has found a doubt."""
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -80,6 +83,7 @@ class Simulator:
             withhold_named(node, "crtp_*", "crtp:=true")
         firmware = self._crtp.fly if self._crtp else None
         self._flight = RoomFlight(room, params, scenario.duration, perf_counter, firmware)
+        self._names = room.names
         self._controllers = TopicConflict(node, COMMAND, len(room.names))
         self._due: deque[Output] = deque()
         self._writers = {
@@ -159,7 +163,12 @@ class Simulator:
 
     def _diagnostics(self) -> Mapping[str, str]:
         flight, health = self._flight, self._flight.health
-        found = {LOCKED: flight.locked, CONFLICTS: self._conflicts(), STAMPS: flight.misstamped}
+        found = {
+            LOCKED: flight.locked,
+            CONFLICTS: self._conflicts(),
+            STAMPS: flight.misstamped,
+            UNKNOWN: unknown_vehicles(flight.conflicts.commanded, self._names),
+        }
         for kind, doubt in found.items():
             self._warn_if_new(doubt, health.doubts.get(kind, ""))
         awaited = flight.awaited

@@ -59,3 +59,13 @@ def test_vehicles_that_two_nodes_fly_are_named_with_the_nodes_unless_one_has_lef
     message = "command: two nodes fly cf2: stop one, or give each its own `vehicles` (mpc, pid write it)"
     assert conflict_note(("cf2",), ["mpc", "pid"]) == message
     assert conflict_note(("cf2",), ["pid"]) == ""
+
+
+def test_the_vehicles_of_recent_commands_are_known() -> None:
+    watch = ConflictingCommands()
+    watch.take(0, level_command(0.0, ("cf9",), np.zeros(1)))
+    for k in range(1, RECENT):
+        watch.take(k, level_command(0.01 * k, ("cf2", "cf1"), np.zeros(2)))
+    assert watch.commanded == ("cf1", "cf2", "cf9")
+    watch.take(RECENT, level_command(0.01 * RECENT, ("cf2",), np.zeros(1)))
+    assert watch.commanded == ("cf1", "cf2")

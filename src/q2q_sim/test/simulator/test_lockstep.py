@@ -7,7 +7,7 @@ import pytest
 from resting_signals import level_command
 
 from q2q_model.signals.values import SwarmCommand
-from q2q_sim.loop.command_gate import CommandGate
+from q2q_sim.loop.command_gate import CommandGate, unknown_vehicles
 from q2q_sim.simulator.flight_clock import FlightClock
 from q2q_sim.simulator.resend_timer import ResendTimer
 
@@ -88,6 +88,19 @@ def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> Non
     gate = CommandGate(("cf1", "cf2"))
     with pytest.raises(ValueError, match="unknown vehicle cf9; the vehicles are cf1, cf2"):
         gate.offer(0, command(("cf9",), 1.0))
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_of_a_command_for_a_vehicle_too_many_the_others_are_flown(exact: bool) -> None:
+    gate = CommandGate(("cf1", "cf2"), exact=exact)
+    gate.expect(10)
+    flown = gate.offer(10, command(("cf9", "cf2", "cf1"), 3.0))
+    assert flown is not None
+    assert (flown.names, flown.thrust.tolist()) == (("cf1", "cf2"), [3.0, 3.0])
+    assert gate.missing() == ()
+    said = "command for unknown vehicle cf9; the vehicles are cf1, cf2"
+    assert unknown_vehicles(("cf1", "cf2", "cf9"), ("cf1", "cf2")) == said
+    assert unknown_vehicles(("cf1",), ("cf1", "cf2")) == ""
 
 
 def test_a_lost_tick_is_asked_for_again_and_then_given_up_and_the_next_ones_sooner() -> None:
