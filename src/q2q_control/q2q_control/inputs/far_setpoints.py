@@ -5,7 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from q2q_model.counted import listed
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
+from q2q_model.signals.values import (
+    Array,
+    Names,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+    index_of,
+    rows_by_name,
+)
 
 FAR_M = 1.0
 """Distance from a setpoint that is reported [m]: no downwash or gust of a flight under control makes it."""
@@ -14,10 +22,13 @@ _ELSEWHERE = "far from their setpoints: {}: check that the plan begins where the
 _BROUGHT_DOWN = "far from their setpoints, brought down by the failsafe: {}"
 
 
-def far_setpoints(state: SwarmState, setpoint: SwarmSetpoint) -> dict[str, float]:
-    """Return the distances from their setpoints [m] of the measured vehicles that are FAR_M away or more."""
+def far_setpoints(state: SwarmState, setpoint: SwarmSetpoint, commanded: Names) -> dict[str, float]:
+    """Return the distances from their setpoints [m] of the measured vehicles that are FAR_M away or more.
+
+    Only of those that the controller commands: others may fly the rest.
+    """
     aim = rows_by_name(setpoint.pos, setpoint.names, state.names, np.nan)
-    aim[state.status != TrackStatus.TRACKED] = np.nan
+    aim[(state.status != TrackStatus.TRACKED) | (index_of(state.names, commanded) < 0)] = np.nan
     return far_apart(state.names, aim, state.pos)
 
 
@@ -40,16 +51,17 @@ class FarSetpointMonitor:
         self._brought_down: set[str] = set()  # by the failsafe, and not back since
 
     def update(
-        self, state: SwarmState, setpoint: SwarmSetpoint, brought_down: Names = ()
+        self, state: SwarmState, setpoint: SwarmSetpoint, commanded: Names, brought_down: Names = ()
     ) -> tuple[str, bool]:
         """Return who is far from its setpoint, empty if nobody is, and whether these are new.
 
         Args:
             state: measured vehicles.
             setpoint: where they are to be.
+            commanded: vehicles of the controller.
             brought_down: vehicles that the failsafe lands or cuts now.
         """
-        far = far_setpoints(state, setpoint)
+        far = far_setpoints(state, setpoint, commanded)
         self._brought_down = self._brought_down.intersection(far).union(brought_down)
         new, self._reported = not self._reported.issuperset(far), frozenset(far)
         return self._words(far), new

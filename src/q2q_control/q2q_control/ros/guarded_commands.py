@@ -34,6 +34,7 @@ from q2q_model.signals.values import (
     SATURATED,
     CommandStatus,
     Interference,
+    Names,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -53,7 +54,9 @@ class GuardedCommands:
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._deadline = InputDeadline(self._guard, params) if live else None
         self._state: SwarmState | None = None
-        self._flown: tuple[SwarmState, SwarmSetpoint] | None = None  # of the last tick
+        self._flown: tuple[SwarmState, SwarmSetpoint, Names] | None = (
+            None  # of the last tick, and whom it commands
+        )
         self._far = FarSetpointMonitor()
         self._changes = PhaseChanges()
         self._hand_overs = HandOvers()
@@ -63,7 +66,7 @@ class GuardedCommands:
     ) -> SwarmCommand:
         """Return the command of the tick."""
         command = self._guard.update(state, setpoint, interference)
-        self._flown = state, setpoint
+        self._flown = state, setpoint, command.names
         if self._deadline is not None:
             self._deadline.answered(setpoint, monotonic())
         return command
