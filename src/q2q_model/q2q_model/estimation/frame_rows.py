@@ -9,6 +9,7 @@ import numpy as np
 
 from q2q_model.estimation.nominal_frame import POSE_WIDTH
 from q2q_model.signals.values import Array, MocapFrame, Names, Rows, index_of
+from q2q_model.signals.vehicle_name import is_printable_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,16 +23,21 @@ class FrameRows:
     repeated: int = 0
     """Rows with a name that stands in an earlier row, too."""
     unknown: int = 0
-    """Names that are not tracked."""
+    """Names that are not tracked, but could be."""
+
+
+def new_names(names: Names, tracked: Names) -> Names:
+    """Return the names of a frame that are not tracked yet and can be printed, each once."""
+    known = set(tracked)
+    return tuple(name for name in dict.fromkeys(names) if name not in known and is_printable_name(name))
 
 
 def match_rows(names: Names, tracked: Names) -> FrameRows:
     """Return the tracks of the rows of a frame with these names."""
-    distinct, tracks = set(names), index_of(names, tracked)
-    repeated = len(names) - len(distinct)
+    tracks, repeated = index_of(names, tracked), len(names) - len(set(names))
     if repeated:
         tracks[_repeats(names)] = -1
-    return FrameRows(names, tracks, repeated, len(distinct.difference(tracked)))
+    return FrameRows(names, tracks, repeated, len(new_names(names, tracked)))
 
 
 def _repeats(names: Names) -> list[int]:

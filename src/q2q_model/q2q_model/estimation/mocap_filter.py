@@ -34,7 +34,7 @@ from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.filter_report import FilterReport, FrameWarnings
 from q2q_model.estimation.frame_counts import FrameCounts
 from q2q_model.estimation.frame_intervals import FrameIntervals
-from q2q_model.estimation.frame_rows import FrameRows, check_shapes, match_rows, poses_by_track
+from q2q_model.estimation.frame_rows import FrameRows, check_shapes, match_rows, new_names, poses_by_track
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.nominal_frame import (
     QUAT_AT,
@@ -228,7 +228,7 @@ class MocapFilter:
         return age, np.where(tracked.trusted, _TRACKED, late)
 
     def _adopt(self, names: Names) -> None:
-        new = tuple(name for name in dict.fromkeys(names) if name not in self._names)
+        new = new_names(names, self._names)
         self._names += new
         self._positions.grow(len(new))
         self._attitudes.grow(len(new))

@@ -10,7 +10,11 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.estimation.mocap_warnings import MocapWarnings
 from q2q_model.estimation.stray_names import MOST_LOST
-from q2q_model.ros.node.input_warnings import StalledStampWarning, warn_of_unknown_names
+from q2q_model.ros.node.input_warnings import (
+    StalledStampWarning,
+    warn_of_unknown_names,
+    warn_of_unprintable_names,
+)
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
@@ -58,6 +62,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
     wiring.after_publish(warning_log(node, wiring.health, block))
     wiring.warm_up(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
+    wiring.listen("mocap", warn_of_unprintable_names(node, "mocap"))
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
     wiring.listen("mocap", StalledStampWarning(node, "mocap", wiring.health).update)
     wiring.start(block.update)

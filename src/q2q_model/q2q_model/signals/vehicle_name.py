@@ -13,3 +13,8 @@ def check_vehicle_name(name: str) -> None:
     if not VEHICLE_NAME.fullmatch(name):
         allowed = "a name must be a letter followed by letters, digits and _, at most 100"
         raise ValueError(f"vehicle {name[:LONGEST_SHOWN]!r}: {allowed}")
+
+
+def is_printable_name(name: str) -> bool:
+    """Return whether a name of motion capture can be read in a report: not blank, no line break."""
+    return bool(name.strip()) and name.isprintable()

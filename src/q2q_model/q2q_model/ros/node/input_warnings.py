@@ -14,6 +14,7 @@ from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import STALLED
 from q2q_model.signals.values import Names
+from q2q_model.signals.vehicle_name import LONGEST_SHOWN, is_printable_name
 
 TakeSignal = Callable[[int, Signal], None]
 
@@ -22,10 +23,21 @@ def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal
     """Return a listener that warns of names in a topic that are not among `vehicles`; none are all."""
 
     def unknown(names: Names) -> Names:
-        return tuple(sorted(set(names) - set(vehicles))) if vehicles else ()
+        strangers = set(filter(is_printable_name, names)) - set(vehicles)
+        return tuple(sorted(strangers)) if vehicles else ()
 
     why = f"ignored: the vehicles are {listed(vehicles)}"
     return _warn_once(node, topic, unknown, lambda _: why, MOST_WARNINGS)
+
+
+def warn_of_unprintable_names(node: Node, topic: str) -> TakeSignal:
+    """Return a listener that warns of names in a topic that are blank or have a line break."""
+
+    def unprintable(names: Names) -> Names:
+        return tuple(sorted({repr(name)[:LONGEST_SHOWN] for name in names if not is_printable_name(name)}))
+
+    why = "ignored: name each object with characters that can be printed"
+    return _warn_once(node, topic, unprintable, lambda _: why, MOST_WARNINGS)
 
 
 def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> TakeSignal:
