@@ -4,6 +4,7 @@ import reprlib
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 
+from q2q_model.node.node_names import UNKNOWN_NAME
 from q2q_model.signals.stamps import TICK_NS, BadStampError, stamp_from_parts
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_sim.simulator.flight_clock import FlightTiming, timing_from_text
@@ -13,8 +14,6 @@ STILL_S = 60.0
 SOURCES = ("/simulator", "/bag_play")
 """Nodes that publish ticks."""
 SUMMARY = f"/{FLIGHT_SUMMARY}"
-DEAD = "_NODE_NAME_UNKNOWN_"
-"""Name of a node that has left, while its publishers still count (rmw_fastrtps)."""
 
 
 class FlightProgress:
@@ -53,7 +52,7 @@ class FlightProgress:
 
 def check_one_writer(writers: Collection[str]) -> None:
     """Raise ValueError if more than one living node writes summaries."""
-    found = sorted(name for name in writers if name != DEAD)
+    found = sorted(name for name in writers if name != UNKNOWN_NAME)
     if len(found) > 1:
         raise ValueError(
             f"another flight was in this ROS domain ({SUMMARY} is written by {', '.join(found)}): "

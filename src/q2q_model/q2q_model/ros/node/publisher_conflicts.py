@@ -6,13 +6,17 @@ from rclpy.node import Node
 
 from q2q_model.counted import listed
 from q2q_model.diagnostics.health import Health
+from q2q_model.node.node_names import full_node_names
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 
 
 def publishers_of(node: Node, topic: str) -> list[str]:
-    """Return the names of the nodes that publish a topic, with their namespaces, sorted."""
+    """Return the names of the nodes that publish a topic, with their namespaces, sorted.
+
+    One that is being discovered, or has left, has no name yet or any more, and is left out.
+    """
     found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
-    return sorted(f"{one.node_namespace}/{one.node_name}".strip("/") for one in found)
+    return full_node_names((one.node_namespace, one.node_name) for one in found)
 
 
 class TopicConflict:
