@@ -45,6 +45,8 @@ def path_of(name_or_path: str) -> Path:
     Raises:
         ValueError: unknown scenario (with the nearest name), or no such file.
     """
+    if not name_or_path:
+        raise ValueError("the scenario is empty: give its name, e.g. table6, or its file")
     shipped, own = FOLDER / f"{name_or_path}.yaml", Path(name_or_path)
     if own.suffix in OWN:
         if not own.exists():

@@ -145,6 +145,7 @@ def test_swarms_of_any_size_start_apart_and_stay_apart(count: int) -> None:
 @pytest.mark.parametrize(
     ("name", "word"),
     [
+        ("", "the scenario is empty: give its name, e.g. table6, or its file"),
         ("tabel6", "unknown scenario 'tabel6'; did you mean table6?"),
         ("swarm0", "must have 1 to 1000 vehicles"),
         ("../secret", "unknown scenario"),
