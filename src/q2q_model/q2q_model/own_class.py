@@ -21,15 +21,17 @@ def own_class(name: str) -> type[object]:
     """Import a module and return its class.
 
     Raises:
-        OwnClassError: the module cannot be imported, or has no such class.
+        OwnClassError: the name has another form, the module cannot be imported, or has no such class.
     """
+    if not is_own_class(name):
+        raise OwnClassError("is no name of a class: give module:Class")
     module, _, wanted = name.partition(":")
     try:
         found = getattr(_imported(module), wanted, None)
     except (Exception, SystemExit) as error:
         raise OwnClassError(
             f"{module} cannot be imported ({error_line(error)}); give a module of this folder, {Path.cwd()}, "
-            "or an installed one"
+            "or an installed one (a set-up from wheels drops PYTHONPATH)"
         ) from error
     if not isinstance(found, type):
         raise OwnClassError(f"{module} has no class {wanted}")

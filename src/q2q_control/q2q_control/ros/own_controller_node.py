@@ -1,8 +1,8 @@
 """Controller of your own: `state`, `reference_safe` and (if aware) `interference` in, `command` out.
 
 The parameter `controller` names a class with the methods of `q2q.Controller`, which is made with the vehicle
-type as its only argument. If it has a method `sense`, it also gets `imu`. Its module is searched for in the
-current folder, too:
+type as its only argument. If it has a method `sense`, it also gets `imu`. Its module is one of the current
+folder or an installed one; a set-up from wheels drops PYTHONPATH:
 `--ros-args -p controller:=my_module:MyController`. See docs/tutorials/own_controller.md.
 
 The class is tried on a few ticks before the flight. When it raises an error in flight, or returns a command
@@ -49,7 +49,11 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     """
     own = declare(node, ControllerNodeParams())
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
-    checked = find_controller(declare(node, OwnControllerNodeParams()).controller, vehicle)
+    name = declare(node, OwnControllerNodeParams()).controller
+    if not name:
+        example = "-p controller:=my_module:MyController"
+        raise ValueError(f"parameter controller is empty: give a class as module:Class, e.g. {example}")
+    checked = find_controller(name, vehicle)
     block = LevelOnError(checked) if own.live else checked
     wiring, guarded = wire_controller(node, own, vehicle, block)
     wiring.warm_up(checked.update, checked.reset, own.vehicles)

@@ -59,8 +59,16 @@ def test_a_found_class_is_reset_before_its_first_update(module: str) -> None:
 
 
 def test_a_module_that_cannot_be_imported_is_named() -> None:
-    with pytest.raises(ControllerClassError, match="absent_module cannot be imported"):
+    with pytest.raises(ControllerClassError, match=r"absent_module cannot be imported .*drops PYTHONPATH"):
         find_controller("absent_module:Class", CRAZYFLIE_2_0)
+
+
+@pytest.mark.parametrize("name", ["module", ":Class", "module:", "a/b.py:Class"])
+def test_a_name_of_another_form_is_refused(name: str) -> None:
+    with pytest.raises(
+        ControllerClassError, match=f"^controller {name}: is no name of a class: give module:"
+    ):
+        find_controller(name, CRAZYFLIE_2_0)
 
 
 def test_a_found_class_commands_as_its_object() -> None:
