@@ -12,6 +12,7 @@ from q2q_sim.scenarios.scenario_variants import with_air
 FOUND = Explanation(
     loss=Loss("height", "cf1", 0, 3.25, 0.83),
     shares=(CauseShare("downwash", 0.61, 0.55, 0.67), CauseShare("latency", 0.1, 0.08, 0.12)),
+    first="downwash",
     rest=0.12,
     without_first=0.2,
     all_orders=False,

@@ -26,6 +26,22 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
     assert "that of other orders and other draws of noise, losses and gusts." in page
 
 
+def test_a_page_without_a_first_cause_shows_the_flight_alone_and_an_ordinary_one_is_good(
+    tmp_path: Path,
+) -> None:
+    setup = short("stack3")
+    recorded = RecordedSetup(setup, fly_setup(setup), 0.0)
+    unexplained = replace(FOUND, shares=(), first=None)
+    page = write_page(unexplained, recorded, "a bag", tmp_path / "why").read_text()
+    assert "Why did cf1 leave its path?" in page
+    assert 'class="verdict bad"' in page
+    assert '"name":"without' not in page
+    ordinary = replace(unexplained, loss=replace(FOUND.loss, kind="distance", size=0.03))
+    page = write_page(ordinary, recorded, "a bag", tmp_path / "ordinary").read_text()
+    assert "<h1>No vehicle left its path</h1>" in page
+    assert 'class="verdict bad"' not in page
+
+
 @pytest.mark.parametrize(
     ("all_orders", "draws", "note"),
     [

@@ -55,7 +55,7 @@ def test_of_causes_that_only_act_together_the_unusual_one_is_first(
     scenario = replace(own, faults=struck, disturbance=replace(own.disturbance, air_std=gusts))
     shares_of = {"wind": 0.4, "lost messages": 0.3, "control": 0.2}
     setup, loss = flight_setup(scenario, BlockChoices("ignoring"), 0), Loss("distance", "cf1", 0, 3.0, 1.0)
-    assert first_cause(setup, loss, shares_of, lambda out: left[next(iter(out))]) == first
+    assert first_cause(setup, loss, shares_of, lambda out: left[next(iter(out))], 0.1) == first
 
 
 def test_a_fault_after_the_loss_or_from_the_start_is_no_event_and_a_flight_may_have_no_cause() -> None:
@@ -63,6 +63,20 @@ def test_a_fault_after_the_loss_or_from_the_start_is_no_event_and_a_flight_may_h
     for start in (0.0, 3.5):
         scenario = replace(library.load("table6"), faults=(Fault("radio_loss", start, 9.0, (), 0.9),))
         setup = flight_setup(scenario, BlockChoices("ignoring"), 0)
-        found = first_cause(setup, loss, {"control": 0.4, "lost messages": 0.3}, lambda _: 0.1)
+        found = first_cause(setup, loss, {"control": 0.4, "lost messages": 0.3}, lambda _: 0.1, 0.1)
         assert found == "control"
-    assert first_cause(setup, loss, {}, lambda _: 1.0) is None
+    assert first_cause(setup, loss, {}, lambda _: 1.0, 1.0) is None
+
+
+def test_no_cause_is_first_that_explains_less_than_the_rest_or_nothing() -> None:
+    setup = flight_setup(library.load("table6"), BlockChoices("ignoring"), 0)
+    loss = Loss("distance", "cf1", 0, 3.0, 1.0)
+    shares_of = {"wind": 0.4, "control": 0.1, "latency": -0.1}
+    assert first_cause(setup, loss, shares_of, lambda _: 0.9, 0.6) is None
+    assert first_cause(setup, loss, shares_of, lambda _: 0.9, 0.4) == "wind"
+    assert first_cause(setup, loss, shares_of, lambda _: 0.5, 0.6) in {
+        "wind",
+        "control",
+    }  # alone, it takes half
+    assert first_cause(setup, loss, {"wind": 0.0, "control": -0.1}, lambda _: 0.1, 0.0) is None
+    assert first_cause(setup, replace(loss, size=0.0), shares_of, lambda _: 0.0, 0.0) is None

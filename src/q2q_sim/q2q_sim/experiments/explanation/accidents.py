@@ -26,17 +26,12 @@ import numpy as np
 from q2q_model.signals.values import Names
 from q2q_sim.campaigns.random_runs.random_run import GAINS, ROOMS
 from q2q_sim.experiments.explanation.flight_setup import FlightSetup, flight_setup, fly_setup
-from q2q_sim.experiments.explanation.loss import largest_loss
+from q2q_sim.experiments.explanation.loss import ACCIDENT, ORDINARY, largest_loss
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
-from q2q_sim.monitors.policies import Limits
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
-ACCIDENT = Limits().back
-"""Minimum loss of an accident [m]."""
-ORDINARY = 0.5 * ACCIDENT
-"""Largest loss before a cause is injected [m]."""
 TRIES = 100
 """Flights that are drawn for an accident."""
 GAIN_FACTORS = (0.7, 1.3)

@@ -37,7 +37,8 @@ def explanation_json(found: Explanation, difference: float) -> Json:
         "t_s": found.loss.t,
         "loss_m": found.loss.size,
         "loss_of": found.loss.kind,
-        "first": found.shares[0].cause if found.shares else None,
+        "ordinary": found.loss.is_ordinary,
+        "first": found.first,
         "causes": [
             {"cause": one.cause, "share_m": one.share, "low_m": one.low, "high_m": one.high}
             for one in found.shares

@@ -80,11 +80,13 @@ class Explanation:
 
     loss: Loss
     shares: tuple[CauseShare, ...]
-    """Of the causes in the flight: the first cause, then the largest first."""
+    """Of the causes that change something: the first cause, then the largest first."""
+    first: str | None
+    """First cause; None if none of the causes explains the loss."""
     rest: float
     """Loss without any of them [m]."""
     without_first: float
-    """Loss without the first cause alone [m]; the whole loss if there is no cause."""
+    """Loss without the first cause alone [m]; the whole loss if there is none."""
     all_orders: bool
     """Whether the shares are means over all orders of the causes, not over random ones."""
     draws: int
@@ -110,11 +112,13 @@ def explain(
     exact = all_orders_fit(causes, params.orders)
     split = _split(causes, found, exact=exact)
     own = values[0]
-    first = first_cause(short, loss, {one.cause: one.share for one in split}, lambda out: own(frozenset(out)))
+    rest, shares_of = own(frozenset(causes)), {one.cause: one.share for one in split}
+    first = first_cause(short, loss, shares_of, lambda out: own(frozenset(out)), rest)
     return Explanation(
         loss=loss,
         shares=tuple(sorted(split, key=lambda one: one.cause != first)),
-        rest=own(frozenset(causes)),
+        first=first,
+        rest=rest,
         without_first=own(frozenset() if first is None else frozenset({first})),
         all_orders=exact,
         draws=params.draws,
@@ -162,11 +166,16 @@ def _all_shares(
 
 
 def _split(causes: Sequence[str], found: Array, *, exact: bool) -> tuple[CauseShare, ...]:
-    """Return the mean shares with the first seed and their intervals; `exact` means over all orders."""
+    """Return the mean shares with the first seed and their intervals; `exact` means over all orders.
+
+    A cause whose removal never changed the loss has none.
+    """
     means = found.mean(axis=1)  # (draws, causes)
     wide = half_widths_of_shares(found, exact=exact)
+    acts = (found != 0.0).any(axis=(0, 1)).tolist()
     split = [
         CauseShare(cause, float(mean), float(mean - one), float(mean + one))
-        for cause, mean, one in zip(causes, means[0], wide, strict=True)
+        for cause, mean, one, act in zip(causes, means[0], wide, acts, strict=True)
+        if act
     ]
     return tuple(sorted(split, key=lambda one: -one.share))

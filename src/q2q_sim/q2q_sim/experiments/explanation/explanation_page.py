@@ -9,7 +9,7 @@ from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.explanation import Explanation
-from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
+from q2q_sim.experiments.explanation.explanation_sentence import KEPT, explanation_sentence
 from q2q_sim.experiments.explanation.flight_setup import FlightSetup, fly_setup
 from q2q_sim.experiments.explanation.loss import LOST
 from q2q_sim.experiments.explanation.recorded_setup import RecordedSetup
@@ -29,11 +29,11 @@ NOTES = (
 
 def write_page(found: Explanation, recorded: RecordedSetup, name: str, out: Path) -> Path:
     """Write page and picture of a flight's explanation into a folder; return the page's path."""
-    picture = save(_bars(found), out / "causes.png")
+    shown = found.shares and save(_bars(found), out / "causes.png")
     rows = [(one.cause, *map(_centimetres, (one.share, one.low, one.high))) for one in found.shares]
     parts: list[Part] = [
-        PageVerdict(explanation_sentence(found), ok=False),
-        [Picture(picture, "Contributions to the deviation, with 95 % intervals")],
+        PageVerdict(explanation_sentence(found), ok=found.loss.is_ordinary),
+        *([[Picture(shown, "Contributions to the deviation, with 95 % intervals")]] if shown else []),
         *_replay(found, recorded),
         Heading("Contributions"),
         Grid(HEAD, [*rows, ("rest", _centimetres(found.rest), "-", "-")]),
@@ -41,9 +41,13 @@ def write_page(found: Explanation, recorded: RecordedSetup, name: str, out: Path
         f"Flown again, the vehicles are within {recorded.difference:.1g} m of their recorded positions.",
     ]
     file = out / "index.html"
-    title, lead = f"Why did {found.loss.vehicle} leave its path?", f"Flight {name}"
-    write_text(page(title, lead, parts), file)
+    write_text(page(_title(found), f"Flight {name}", parts), file)
     return file
+
+
+def _title(found: Explanation) -> str:
+    loss = found.loss
+    return KEPT[loss.kind] if loss.is_ordinary else f"Why did {loss.vehicle} leave its path?"
 
 
 def _interval_note(found: Explanation) -> str:
@@ -78,9 +82,9 @@ def _bars(found: Explanation) -> Figure:
 def _replay(found: Explanation, recorded: RecordedSetup) -> list[Part]:
     """Return the replay of the flight next to that without the first cause, alone if there is none."""
     flights = {"as flown": recorded.flight}
-    if found.shares:
-        first = found.shares[0].cause
-        flights[f"without {first}"] = fly_setup(without_causes(recorded.setup, {first}))
+    if found.first is not None:
+        removed = fly_setup(without_causes(recorded.setup, {found.first}))
+        flights[f"without {found.first}"] = removed
     try:
         replay = replay_element(_runs(flights, recorded.setup))
         return [Heading(" and ".join(flights).capitalize()), Markup(replay)]

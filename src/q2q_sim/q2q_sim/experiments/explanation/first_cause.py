@@ -8,7 +8,9 @@ most SPARED of it is left. Of these causes one is named before others
 2. that is not ordinary: gusts up to ORDINARY_GUSTS are in every real room;
 3. whose share is larger.
 
-If the loss takes none of its causes, the one with the largest share is named.
+If the loss takes none of its causes, the one with the largest share is named, unless the rest, which is lost
+without any of them, is larger: then most of what is lost has another reason than any cause. A cause without a
+positive share is never first, nor is one of no loss.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -26,21 +28,29 @@ WIND = "wind"
 
 
 def first_cause(
-    setup: FlightSetup, loss: Loss, shares: Mapping[str, float], left: Callable[[Collection[str]], float]
+    setup: FlightSetup,
+    loss: Loss,
+    shares: Mapping[str, float],
+    left: Callable[[Collection[str]], float],
+    rest: float,
 ) -> str | None:
-    """Return the first cause; None if there is no cause.
+    """Return the first cause; None if none of the causes explains the loss.
 
     Args:
         setup: the flight.
         loss: its loss.
         shares: of the causes in it [m].
         left: returns the loss without some causes [m].
+        rest: the loss without any of them [m].
     """
-    taken = [cause for cause in shares if left({cause}) <= SPARED * loss.size]
+    if loss.size == 0.0:
+        return None
+    lossy = [cause for cause in shares if shares[cause] > 0.0]
+    taken = [cause for cause in lossy if left({cause}) <= SPARED * loss.size]
     faulty = _causes_with_faults(setup, loss)
     usual = {WIND} if _gusts(setup) <= ORDINARY_GUSTS else set()
     return max(
-        taken or shares,
+        taken or [cause for cause in lossy if shares[cause] >= rest],
         key=lambda cause: (cause in faulty, cause not in usual, shares[cause]) if taken else shares[cause],
         default=None,
     )

@@ -19,6 +19,10 @@ from q2q_sim.monitors.policies import Limits
 LossKind = Literal["distance", "height"]
 LOST = Limits().setpoint_error_max
 """[m]"""
+ACCIDENT = Limits().back
+"""Minimum loss of an accident [m]."""
+ORDINARY = 0.5 * ACCIDENT
+"""Largest loss of an ordinary flight, whose vehicles stay on their paths [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +37,11 @@ class Loss:
     """When it is first reached [s]."""
     size: float
     """[m]; LOST or less."""
+
+    @property
+    def is_ordinary(self) -> bool:
+        """Return whether every vehicle stays on its path."""
+        return self.size <= ORDINARY
 
 
 def largest_loss(flight: Flight, kind: LossKind = "distance") -> Loss:

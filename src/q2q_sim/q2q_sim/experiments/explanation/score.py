@@ -17,7 +17,7 @@ class Answer:
 
     seed: int
     first: str
-    named: str
+    named: str | None
 
     @property
     def right(self) -> bool:
@@ -29,7 +29,7 @@ def answer_accidents(seeds: Sequence[int]) -> Iterator[Answer]:
     """Yield the answer to the accident of each seed."""
     for seed in seeds:
         given = accident(seed)
-        yield Answer(seed, given.first, explain(given.setup, EFFORT).shares[0].cause)
+        yield Answer(seed, given.first, explain(given.setup, EFFORT).first)
 
 
 def score_json(found: Sequence[Answer]) -> Json:
