@@ -1,5 +1,6 @@
 """A recorded flight is flown again by the metadata of its bag, or refused."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,6 +65,49 @@ def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.Ca
         printed = capsys.readouterr().err
         assert printed == f"explain: {kept}: duration '{wrong}' in its metadata; must be above 0 s\n"
     metadata.write_text(text)
+
+
+@pytest.mark.parametrize("stated", ["    duration: '1'\n", ""])  # none in a bag of older software
+def test_a_recording_longer_than_its_flight_is_refused(
+    kept: Path, stated: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    metadata, scenario = kept / "metadata.yaml", kept.parent / "0.yaml"
+    before = metadata.read_text(), scenario.read_text()
+    metadata.write_text(before[0].replace("    duration: '1.5'\n", stated))
+    scenario.write_text(before[1].replace("duration: 1.5", "duration: 1.0"))
+    try:
+        assert main([str(kept)]) == 1
+    finally:
+        metadata.write_text(before[0])
+        scenario.write_text(before[1])
+    assert capsys.readouterr().err == (
+        f"explain: {kept}: recorded until 1.49 s, but its metadata or scenario file now say 1 s: "
+        "only flights whose scenario has not been changed can be explained\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "wrong", "told"),
+    [
+        ("seed", "'\u00b2'", "seed '\u00b2' in its metadata; must be an integer >= 0"),
+        ("duration", "'1e9'", "duration = 1000000000.0; must be"),
+        ("vehicle", "crazyflie_9", "unknown vehicle 'crazyflie_9'"),
+        ("firmware", "old", "unknown firmware 'old'"),
+        ("wake", "storm", "unknown wake 'storm'"),
+        ("scenario", "gone.yaml", "scenario file gone.yaml"),
+    ],
+)
+def test_errors_in_metadata_name_the_bag(
+    kept: Path, key: str, wrong: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    metadata = kept / "metadata.yaml"
+    text = metadata.read_text()
+    metadata.write_text(re.sub(rf"^    {key}: .*$", f"    {key}: {wrong}", text, flags=re.MULTILINE))
+    try:
+        assert main([str(kept)]) == 1
+    finally:
+        metadata.write_text(text)
+    assert capsys.readouterr().err.startswith(f"explain: {kept}: {told}")
 
 
 @pytest.mark.parametrize("written", [("--out",), ("--json", "why.json")])

@@ -45,7 +45,7 @@ def recorded_setup(bag: Path) -> RecordedSetup:
         ValueError: the bag cannot be read, its metadata do not suffice, or the new flight is another one.
     """
     recorded, facts = read_flight(bag), _checked(read_facts(bag), bag)
-    scenario = _as_recorded(flown_scenario(facts, bag), recorded)
+    scenario = _as_recorded(_scenario_of(facts, bag), recorded, bag)
     found = np.inf
     for replan in REPLANNERS:
         options = BlockChoices(facts.mode, facts.controller, replan, facts.correct == "true")
@@ -61,9 +61,22 @@ def recorded_setup(bag: Path) -> RecordedSetup:
     )
 
 
-def _as_recorded(scenario: Scenario, recorded: Flight) -> Scenario:
-    """Return the scenario, as short as a recording that ends before it."""
+def _scenario_of(facts: FlightFacts, bag: Path) -> Scenario:
+    """Return the scenario of a bag's metadata; errors name the bag."""
+    try:
+        return flown_scenario(facts, bag)
+    except ValueError as unknown:
+        raise ValueError(f"{bag}: {unknown}") from unknown
+
+
+def _as_recorded(scenario: Scenario, recorded: Flight, bag: Path) -> Scenario:
+    """Return the scenario, as short as a recording that ends before it; ValueError if it ends after it."""
     end = float(recorded.t[-1]) + 0.5 * TICK_S  # the last tick is flown, whatever is rounded
+    if end > scenario.duration + TICK_S:
+        raise ValueError(
+            f"{bag}: recorded until {recorded.t[-1]:.2f} s, but its metadata or scenario file now say "
+            f"{scenario.duration:g} s: only flights whose scenario has not been changed can be explained"
+        )
     return replace(scenario, duration=end) if TICK_S < end < scenario.duration - TICK_S else scenario
 
 
@@ -95,7 +108,7 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
             f"{bag}: its metadata lacks {', '.join(missing)}: only flights of the simulator (`fly --bag`, "
             "`campaign`) can be flown again; see `validate` for recordings of real vehicles"
         )
-    if not facts.seed.isdigit():
+    if not facts.seed.isdecimal():
         raise ValueError(f"{bag}: seed {facts.seed!r} in its metadata; must be an integer >= 0")
     _check_duration(facts.duration, bag)
     try:
