@@ -23,7 +23,8 @@ rows by name in frame_rows. This file is about frames:
   it is another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`. Rejected samples from before a gap
-  do not count. A gap is more than GAP_S or, where frames come less often, a lost frame (frame_intervals).
+  do not count. A gap is more than GAP_S or, where frames come less often, a lost frame (frame_intervals). A
+  lost vehicle that is in a frame only once in longer than GAP_S, while frames come often, remains lost.
 """
 
 from dataclasses import replace
