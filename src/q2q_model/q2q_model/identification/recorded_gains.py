@@ -57,6 +57,6 @@ def predicting_loop(
         return gains.loop, flown
     loop = replace(gains.loop, lag=vehicle.thrust_lag, offset=0.0)
     return loop, [
-        tuple(with_added_acc(one, loop, gains.compensated, gains.of_rates) for one in pieces)
+        tuple(with_added_acc(one, loop, gains.compensated[one.name], gains.of_rates) for one in pieces)
         for pieces in flown
     ]

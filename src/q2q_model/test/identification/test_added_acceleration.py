@@ -81,8 +81,8 @@ def test_altitudes_of_an_aware_controller_teach_the_whole_downwash() -> None:
     share = 0.8
     records = [altitude_record(fed_forward(one, share), CRAZYFLIE_2_0) for one in passes(left=1.0 - share)]
     gains = gains_from_commands(records)
-    assert gains.compensated == pytest.approx(share, abs=0.02)
-    known = [with_added_acc(one, TIGHT, gains.compensated) for one in records]
+    assert all(one == pytest.approx(share, abs=0.02) for one in gains.compensated.values())
+    known = [with_added_acc(one, TIGHT, gains.compensated[one.name]) for one in records]
     jet = fit_to_altitudes(known, TIGHT, JetForm()).jet
     truth = PAPER_LAW.acceleration(UNDER, pairs_at_rest(UNDER))[0, 2]
     assert jet.acceleration(UNDER, pairs_at_rest(UNDER))[0, 2] == pytest.approx(truth, rel=0.05)
@@ -91,6 +91,18 @@ def test_altitudes_of_an_aware_controller_teach_the_whole_downwash() -> None:
         for each in (known, records)
     ]
     assert errors[0] < 0.01 * errors[1]
+
+
+def test_flights_that_compensate_and_flights_that_do_not_give_one_loop() -> None:
+    made = passes(left=0.2)
+    aware, ignoring = fed_forward(made[0], 0.8), replace(made[1], eta=made[1].true_eta / 0.2)
+    gains = gains_from_commands([altitude_record(one, CRAZYFLIE_2_0) for one in (ignoring, aware)])
+    assert gains.k_p.value == pytest.approx(TIGHT.k_p, rel=1e-6)  # commands are those of the law, exactly
+    assert gains.k_d.value == pytest.approx(TIGHT.k_d, rel=1e-6)
+    assert gains.k_p.low <= TIGHT.k_p * (1.0 + 1e-6)
+    assert gains.k_p.high < TIGHT.k_p * 1.001
+    assert gains.compensated[aware.name] == pytest.approx(0.8, abs=1e-6)
+    assert gains.compensated[ignoring.name] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_identify_takes_away_what_the_controller_adds() -> None:

@@ -7,7 +7,9 @@ Each tick gives one row, linear in the gains; Huber weights suppress rows in whi
 active, and those at the limit of a velocity setpoint are left out where its differences are z_ref''
 (velocity_limit). The offset b is separate for each vehicle and flight (battery, mass). Terms beyond K_p and
 K_d are kept only if an F test finds them significant. Correlated rows reduce the effective number of rows to
-n (1 - rho) / (1 + rho), with rho the correlation of successive residuals (huber_regression).
+n (1 - rho) / (1 + rho), with rho the correlation of successive residuals (huber_regression). The share c is
+that of each flight if they differ by more than APART and an F test finds that significant, as where only some
+controllers compensate.
 
 U1 b_z is what the controller wants along z if it divides by the tilt. One that commands the size of its force
 (q2q_sim.experiments.validation.recorded_law) wants it along another tilt than that of the vehicle, b. On the
@@ -31,13 +33,29 @@ have none (c_v = -K_d, c_a = -1), as has the firmware that is sent positions. El
 | c_v c_a | of_rates | use of the rates of references next to the loop [1/s], [-] |
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
+from q2q_model.identification.gains.gain_equation import (
+    FEED_FORWARD,
+    FEWEST_ROWS,
+    INTEGRAL,
+    K_D,
+    K_P,
+    OFFSET,
+    REF_ACC,
+    REF_VEL,
+    SHARES,
+    GainEquation,
+    design_of,
+    gain_equation,
+    predicting_flights,
+    without_limited,
+)
 from q2q_model.identification.gains.huber_regression import (
     RESOLUTION,
     SIGNIFICANCE,
@@ -45,7 +63,6 @@ from q2q_model.identification.gains.huber_regression import (
     robust_deviation,
     significance,
 )
-from q2q_model.identification.gains.velocity_limit import at_velocity_limit
 from q2q_model.identification.statistics.intervals import (
     EstimatingRows,
     Interval,
@@ -53,15 +70,16 @@ from q2q_model.identification.statistics.intervals import (
     cluster_rows,
     intervals,
 )
-from q2q_model.signals.values import Array, Mask
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
-FEWEST_ROWS = 200
-"""Fewest rows: 2 s at 100 Hz."""
 BLOCK = 1.0
 """Minimum length of a cluster of residuals [s]."""
-K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET = range(7)
-"""Terms of the equation; OFFSET is one column for each vehicle of each flight."""
+APART = 0.2
+"""Difference of c from which two controllers compensate differently [-]; those of recorded flights of one
+controller, each alone, differ by up to 0.08."""
+TINY = float(np.finfo(float).tiny)
+"""Square sum in place of 0 of a prediction without a row of full weight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +94,8 @@ class GainFit:
     rms: float
     """Standard deviation of the residual: [m/s^2] from commands, [m] from trajectories."""
     from_commands: bool = True
-    compensated: float = 0.0
-    """c [-]; 0 if not found from commands."""
+    compensated: Mapping[str, float] = field(default_factory=dict)
+    """c of each flight [-], by name; empty if not found from commands."""
     of_rates: tuple[float, float] = (0.0, 0.0)
     """c_v [1/s] and c_a [-]."""
     limited: float = 0.0
@@ -95,31 +113,14 @@ class GainFit:
         return self.alike and shown and self.loop.k_p > 0.0 and self.loop.k_d > 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class _Equation:
-    """Regression of all vehicles of all flights."""
-
-    target: Array
-    columns: Array
-    """K_P to REF_ACC, (rows, 6)."""
-    group: Array
-    """Number of record and vehicle, (rows,)."""
-    flight: Array
-    """Number of the flight, (rows,)."""
-    t: Array
-    """[s], (rows,), ascending within a group."""
-    limited: Mask
-    """Whether z_ref'' is the difference of a velocity setpoint at its limit, (rows,)."""
-
-
 def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     """Return the gains of the controller.
 
     Raises:
         ValueError: too few rows with commands.
     """
-    whole = _stacked(records)
-    system = _without_limited(whole)
+    whole = gain_equation(records)
+    system = without_limited(whole)
     if system.target.size < FEWEST_ROWS:
         flights = len({record.name for record in records})  # a record may be a piece of one
         raise ValueError(
@@ -127,21 +128,24 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
             f"{counted(flights, 'flight')}, at references with rates; must be at least {FEWEST_ROWS}: "
             "record the topics command and reference, or fit the gains to trajectories"
         )
-    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]
-    for term in (REF_ACC, REF_VEL, FEED_FORWARD, INTEGRAL, OFFSET):
+    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, SHARES, OFFSET]
+    for term in (SHARES, REF_ACC, REF_VEL, FEED_FORWARD, INTEGRAL, OFFSET):
         if not _is_needed(system, terms, term):
             terms.remove(term)
-    design = _design(system, terms)
+    design = design_of(system, terms)
     value, weight = huber_fit(design, system.target)
     residual = system.target - design @ value
-    gains = [term for term in terms if term != OFFSET]
+    gains = [term for term in terms if term < SHARES]
     spread = intervals(value[: len(gains)], _rows(system, terms, residual, weight))
     found = dict(zip(gains, spread, strict=True))
+    others = predicting_flights(system)[1:] if SHARES in terms else np.empty(0, np.intp)
+    after = len(gains) + others.size
+    added = dict(zip(others.tolist(), value[len(gains) : after].tolist(), strict=True))
     loop = AltitudeLoop(
         k_p=found[K_P].value,
         k_d=found[K_D].value,
         k_i=found[INTEGRAL].value if INTEGRAL in found else 0.0,
-        offset=float(value[len(found) :].mean()) if OFFSET in terms else 0.0,
+        offset=float(value[after:].mean()) if OFFSET in terms else 0.0,
     )
     return GainFit(
         loop=loop,
@@ -150,7 +154,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         needs_offset=OFFSET in terms,
         needs_integral=INTEGRAL in terms,
         rms=robust_deviation(residual),
-        compensated=found[FEED_FORWARD].value if FEED_FORWARD in found else 0.0,
+        compensated=_shares(records, found, added),
         of_rates=(
             found[REF_VEL].value if REF_VEL in found else 0.0,
             found[REF_ACC].value if REF_ACC in found else 0.0,
@@ -159,47 +163,15 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     )
 
 
-def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
-    each = [
-        (record, i, flight)
-        for record, flight in zip(records, flight_numbers(records), strict=True)
-        for i in range(len(record.names))
-    ]
-    parts = [_equation(record, i, group, flight) for group, (record, i, flight) in enumerate(each)]
-    stacked = {
-        one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(_Equation)
-    }
-    return _Equation(**stacked)
-
-
-def _without_limited(system: _Equation) -> _Equation:
-    """Return the rows whose velocity setpoint is not at its limit; all if those are few, as in a climb."""
-    rows = ~system.limited
-    if rows.sum() < FEWEST_ROWS:
-        return system
-    return _Equation(**{one.name: getattr(system, one.name)[rows] for one in fields(system)})
-
-
-def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equation:
-    error = -record.deviation[:, i]
-    rate = record.ref[:, i, 1] - record.vel[:, i, 2]
-    integral = np.cumsum(error) * record.dt
-    feed_forward = np.where(np.isfinite(record.feed_forward[:, i]), record.feed_forward[:, i], 0.0)
-    rates = record.ref[:, i, 1:] * record.rates_fitted  # (T, 2)
-    columns = np.column_stack([error, rate, integral - integral.mean(), -feed_forward, rates])
-    target = record.commanded_acc[:, i] - record.ref[:, i, 2]
-    known = np.isfinite(target)
-    t, limited = record.t[known], at_velocity_limit(record.ref[:, i, 1])[known] & record.acc_differentiated
-    groups, flights = np.full(t.size, group), np.full(t.size, flight)
-    return _Equation(target[known], columns[known], groups, flights, t, limited)
-
-
-def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:
-    """Return the estimating rows of the gains, with offsets eliminated by the mean of each group.
+def _rows(system: GainEquation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:
+    """Return the estimating rows of the gains, with offsets and shares of other flights eliminated.
 
     Huber's psi is the weighted residual; its slope is 1 for rows of full weight, else 0.
     """
-    columns = system.columns[:, [term for term in terms if term != OFFSET]].copy()
+    columns = np.concatenate(
+        (design_of(system, [term for term in terms if term < SHARES]), system.columns[:, [FEED_FORWARD]]),
+        axis=1,
+    )
     slope = (weight == 1.0).astype(np.float64)
     psi = weight * np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
     stretches = []
@@ -208,21 +180,38 @@ def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Arra
         if OFFSET in terms:
             columns[own] -= slope[own] @ columns[own] / max(slope[own].sum(), 1.0)
         stretches.append(Stretch(int(system.flight[own][0]), system.t[own], psi[own]))
-    return EstimatingRows(columns, psi, slope, cluster_rows(stretches, BLOCK))
+    gains, expected = columns[:, :-1], columns[:, -1]
+    for flight in predicting_flights(system)[1:] if SHARES in terms else ():
+        own = system.flight == flight
+        weighted = slope[own] * expected[own]
+        gains[own] -= np.outer(expected[own], weighted @ gains[own] / max(weighted @ expected[own], TINY))
+    return EstimatingRows(gains, psi, slope, cluster_rows(stretches, BLOCK))
 
 
-def _design(system: _Equation, terms: Sequence[int]) -> Array:
-    """Return the columns of `terms` in order, those of the offsets last."""
-    plain = system.columns[:, [term for term in terms if term != OFFSET]]
-    if OFFSET not in terms:
-        return plain
-    own = system.group[:, None] == np.unique(system.group)
-    return np.concatenate((plain, own.astype(np.float64)), axis=1)
+def _shares(
+    records: Sequence[AltitudeRecord], found: Mapping[int, Interval], added: Mapping[int, float]
+) -> dict[str, float]:
+    """Return c of each flight, by name, from that of the first and what others add to it, by number."""
+    first = found[FEED_FORWARD].value if FEED_FORWARD in found else 0.0
+    numbers = zip(records, flight_numbers(records), strict=True)
+    return {record.name: first + added.get(number, 0.0) for record, number in numbers}
 
 
-def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
-    """Return whether an F test finds `term` significant."""
-    if term != OFFSET and np.ptp(system.columns[:, term]) == 0.0:
+def _shares_are_apart(system: GainEquation, terms: Sequence[int]) -> bool:
+    """Return whether c of any two flights, each with its own, differ by more than APART."""
+    others = predicting_flights(system)[1:].size
+    if not others:
         return False
-    whole, less = _design(system, terms), _design(system, [other for other in terms if other != term])
+    value, _ = huber_fit(design_of(system, terms), system.target)
+    first = terms.index(OFFSET) - 1  # SHARES and OFFSET are the last terms
+    return bool(np.ptp(np.append(value[first : first + others], 0.0)) > APART)
+
+
+def _is_needed(system: GainEquation, terms: list[int], term: int) -> bool:
+    """Return whether an F test finds `term` significant."""
+    if term == SHARES and not _shares_are_apart(system, terms):
+        return False
+    if term < SHARES and np.ptp(system.columns[:, term]) == 0.0:
+        return False
+    whole, less = design_of(system, terms), design_of(system, [other for other in terms if other != term])
     return significance(whole, less, system.target) < SIGNIFICANCE
