@@ -26,7 +26,7 @@ HIDDEN = 40
 """Units of the hidden layer, section 3.2."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Network:
     """Weights of one f."""
 

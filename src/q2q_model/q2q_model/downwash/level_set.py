@@ -28,7 +28,7 @@ MARGIN = 0.5
 """Extent of the table beyond the law's reach [m]: the distance that planners query."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class LevelSet:
     """Level set of a downwash model as a table; a Zone made by `level_set`."""
 

@@ -190,3 +190,10 @@ def test_an_installed_folder_is_preferred_to_the_source_tree(tmp_path: Path, mon
     assert find_model("paper_law").interaction == Jet(strength=0.1)
     monkeypatch.setenv("AMENT_PREFIX_PATH", "")
     assert find_model("paper_law").interaction == load(shipped_models() / "paper_law.q2q").interaction
+
+
+def test_models_with_tables_can_be_compared_and_hashed() -> None:
+    one, other = (find_model("measured_law") for _ in range(2))
+    assert one == one  # noqa: PLR0124
+    assert one != other or one.zone is other.zone
+    assert hash(one.zone) == hash(one.zone)
