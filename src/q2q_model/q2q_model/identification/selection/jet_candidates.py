@@ -1,6 +1,7 @@
 """Jets among the candidates: the forms that are tried, fitted to measured pushes or else to altitudes."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
@@ -8,7 +9,6 @@ from q2q_model.identification.jet.held_out_deviation import with_held_out_deviat
 from q2q_model.identification.jet.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes, may_be_stacked
 from q2q_model.identification.jet.jet_form import JetForm, free_names
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
-from q2q_model.identification.selection.cross_validation import Fitter
 from q2q_model.identification.selection.identification_data import (
     IdentificationData,
     every_record,
@@ -36,15 +36,14 @@ def jet_candidates(flights: Sequence[IdentificationData], loop: AltitudeLoop) ->
     forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
     stacked = may_be_stacked([one for flight in flights for one in flight.pushes])
     free = {name: len(free_names(form, stacked=stacked)) for name, form in forms.items()}
-    made = [Candidate(name, "jet", free[name], _jet_fitter(loop, form)) for name, form in forms.items()]
+    made = [
+        Candidate(name, "jet", free[name], partial(_fitted_jet, loop, form)) for name, form in forms.items()
+    ]
     return nothing + made
 
 
-def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
-    def fit(flights: Sequence[IdentificationData]) -> InteractionModel:
-        return fit_jet(flights, loop, form).jet
-
-    return fit
+def _fitted_jet(loop: AltitudeLoop, form: JetForm, flights: Sequence[IdentificationData]) -> Jet:
+    return fit_jet(flights, loop, form).jet
 
 
 def fit_jet(

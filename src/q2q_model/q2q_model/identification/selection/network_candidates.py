@@ -1,11 +1,18 @@
 """The paper's networks among the candidates, with the flights that are too long for them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
 from q2q_model.identification.networks.gradient import ONE
-from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
+from q2q_model.identification.networks.trajectory_loss import (
+    MOST_ACTIVE,
+    WIDE,
+    FlightTerms,
+    active_samples,
+    flight_terms,
+)
 from q2q_model.identification.selection.candidate import Candidate
 from q2q_model.identification.selection.identification_data import IdentificationData
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -20,10 +27,13 @@ def network_candidates(flights: Sequence[IdentificationData], loop: AltitudeLoop
         one.name: [flight_terms(record, loop, _reach(params)) for record in one.records] for one in flights
     }
 
-    def fit(chosen: Sequence[IdentificationData]) -> EnvelopeNetwork:
-        return fit_networks([part for one in chosen for part in terms[one.name]], params)
+    return [Candidate(NETWORKS, "envelope_network", 2 * ONE, partial(_fitted_networks, terms, params))]
 
-    return [Candidate(NETWORKS, "envelope_network", 2 * ONE, fit)]
+
+def _fitted_networks(
+    terms: Mapping[str, Sequence[FlightTerms]], params: NetworkFitParams, chosen: Sequence[IdentificationData]
+) -> EnvelopeNetwork:
+    return fit_networks([part for one in chosen for part in terms[one.name]], params)
 
 
 def network_notes(kind: str, flights: Sequence[IdentificationData]) -> list[str]:
