@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from q2q_model.commands.argument_types import finite_number, output_file, whole_number
 from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_sim.scenarios.scenario_limits import LONGEST, MOST_VEHICLES
 
 EXAMPLE = """  ros2 run q2q_sim endurance --minutes 60 --json out/endurance.json
   ros2 run q2q_sim endurance --minutes 5 --live"""
@@ -24,8 +25,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    if not args.minutes >= SHORTEST:
-        raise ValueError(f"--minutes {args.minutes:g}; must be at least {SHORTEST:g}")
+    longest = LONGEST / 60.0
+    if not SHORTEST <= args.minutes <= longest:
+        raise ValueError(f"--minutes {args.minutes:g}; must be in [{SHORTEST:g}, {longest:g}] min")
     from q2q_sim.processes.fork_server import start_fork_server
 
     start_fork_server()  # it imports in parallel
@@ -45,7 +47,11 @@ def parser() -> CommandLine:
         help="duration of the flight [min] (default 60)",
     )
     made.add_argument(
-        "--vehicles", type=whole_number(1), default=10, metavar="N", help="number of vehicles (default 10)"
+        "--vehicles",
+        type=whole_number(1, MOST_VEHICLES),
+        default=10,
+        metavar="N",
+        help="number of vehicles (default 10)",
     )
     made.add_argument(
         "--live", action="store_true", help="fly at 100 Hz of wall time, with a process for each node"

@@ -17,13 +17,11 @@ from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.block_overrides import block_params, check_overrides
 from q2q_sim.scenarios.room_profiles import Overrides
+from q2q_sim.scenarios.scenario_limits import LONGEST, SHORTEST
 from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon_params import ViconParams
 
 AttitudeLoop = Literal["paper", "firmware"]
-
-SHORTEST, LONGEST = 0.01, 3600.0
-"""Shortest flight, one tick, and longest [s]."""
 
 GROUND_ROUNDING = 1e-6
 """Depth of a waypoint below the ground that is taken as rounding [m]: that of a polynomial's end within the

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from q2q_model.nearest_name import name_hint
+from q2q_sim.scenarios.scenario_limits import MOST_VEHICLES
 
 FOLDER = Path(__file__).parent
 """Folder of the shipped scenarios."""
@@ -14,8 +15,6 @@ PLAN = ".json"
 """Ending of a plan file."""
 OWN = (".yaml", ".yml", PLAN)
 """Endings of user files: a scenario or waypoints, or a plan."""
-MOST = 1000
-"""Largest swarm; its room is 100 m wide."""
 
 
 def names() -> list[str]:
@@ -34,8 +33,8 @@ def swarm_size(name: str) -> int | None:
     """Return the N of `swarmN`, None for another name; raise ValueError if N is 0 or too large."""
     swarm = SWARM.fullmatch(name)
     count = int(swarm[1]) if swarm else None
-    if count is not None and not 1 <= count <= MOST:
-        raise ValueError(f"swarm{count}; must have 1 to {MOST} vehicles")
+    if count is not None and not 1 <= count <= MOST_VEHICLES:
+        raise ValueError(f"swarm{count}; must have 1 to {MOST_VEHICLES} vehicles")
     return count
 
 
@@ -58,5 +57,6 @@ def path_of(name_or_path: str) -> Path:
         raise ValueError(f"{own} is a folder: give a file in it (.yaml or .json), or the name of a scenario")
     raise ValueError(
         f"unknown scenario {name_or_path!r}; {name_hint(name_or_path, names())} "
-        f"(swarmN: 1 to {MOST} vehicles; or a file: .yaml of a scenario or waypoints, .json of a plan)"
+        f"(swarmN: 1 to {MOST_VEHICLES} vehicles; "
+        "or a file: .yaml of a scenario or waypoints, .json of a plan)"
     )
