@@ -29,6 +29,7 @@ def campaign(
         TypeError: an argument of another type; the message says what is expected.
         ValueError: a number that is too small, or `out` cannot be written to.
         AirError: there is no such air.
+        RuntimeError: the processes of `jobs` cannot import the script, as without that guard.
     """
     for name, number, least in (("runs", runs, 1), ("seed", seed, 0), ("jobs", jobs, 1)):
         check_whole_number(name, number, least)

@@ -1,6 +1,7 @@
 """Parallel work on numbers, such as the runs of seeds: in processes of this machine, or by Dask on many."""
 
 import gc
+import os
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -18,6 +19,11 @@ Work = Callable[[int], Result]
 """Work on a number, such as the run of a seed."""
 Died = Callable[[int], Result]
 """Result of work on a number whose process died, alone with it."""
+NO_START = (
+    "the processes of parallel work ended before they began, as they import the main script (their output "
+    'says why): call parallel work under `if __name__ == "__main__":` in a script that is a file, not '
+    "standard input; or give jobs=1"
+)
 
 
 class Workers(NamedTuple):
@@ -35,6 +41,7 @@ def spread_work(
 
     Raises:
         ValueError: an unknown engine, or one that is not installed.
+        RuntimeError: a local process ended before it began, as where the main script is not guarded.
     """
     if workers.engine == "local":
         return _local(work, numbers, workers.jobs, died)
@@ -61,14 +68,17 @@ def _by_pools(work: Work[Result], left: Sequence[int], jobs: int, died: Died[Res
 def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int) -> Generator[Result, None, Sequence[int]]:
     """Yield results until a process dies; return the numbers without one, the first begun first."""
     left, pool = dict(enumerate(numbers)), worker_pool(jobs, freeze_imports)
+    began = pool.submit(os.getpid)
     try:
         running = {pool.submit(work, number): place for place, number in enumerate(numbers)}
         for ended in as_completed(running):
             result = ended.result()
             del left[running[ended]]
             yield result
-    except BrokenProcessPool:
-        pass
+    except BrokenProcessPool as broken:
+        # of several processes one may die at its work before another has begun; one alone begins first
+        if jobs == 1 and began.exception() is not None:
+            raise RuntimeError(NO_START) from broken
     finally:
         # a pool that is not waited for may be collected before it cancels, and then does all that is left
         pool.shutdown(wait=True, cancel_futures=True)

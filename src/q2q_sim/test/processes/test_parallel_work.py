@@ -3,6 +3,8 @@
 import gc
 import multiprocessing
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Generator
 from importlib import import_module
@@ -24,6 +26,12 @@ def work(number):
     return number
 """
 """Work that kills its process on number 3."""
+UNGUARDED = """
+from q2q_sim.processes.parallel_work import Workers, spread_work
+
+print(list(spread_work(Workers("local", 2), abs, [-1, -2, -3], lambda number: "died")))
+"""
+"""Script that each of its processes would run again."""
 
 
 def test_after_an_interruption_no_process_works_on() -> None:
@@ -45,6 +53,17 @@ def test_only_work_that_kills_its_process_alone_counts_as_died(
     work = import_module("deadly_work").work
     done = spread_work(Workers("local", jobs), work, range(6), lambda number: -number)
     assert sorted(done) == [-3, 0, 1, 2, 4, 5]
+
+
+@pytest.mark.parametrize("by_file", [True, False])
+def test_a_script_that_its_processes_cannot_import_is_told_so(by_file: bool, tmp_path: Path) -> None:
+    """It is not told that the work on every number died."""
+    script = tmp_path / "unguarded.py"
+    script.write_text(UNGUARDED)
+    command, given = [sys.executable, *([str(script)] if by_file else [])], None if by_file else UNGUARDED
+    ended = subprocess.run(command, input=given, capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert ended.stderr.rstrip().splitlines()[-1] == f"RuntimeError: {parallel_work.NO_START}"
 
 
 def test_an_error_of_work_is_raised_as_it_is_by_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
