@@ -2,7 +2,7 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -57,11 +57,20 @@ class Grid:
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    has_code: bool = False
+    """Whether backticks enclose commands: in q2q's own texts, not where names of users stand."""
 
 
 @dataclass(frozen=True, slots=True)
 class Heading:
     """Heading of a section."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class TextWithCode:
+    """Paragraph of q2q's own, with commands between backticks."""
 
     text: str
 
@@ -97,7 +106,17 @@ class ProgramOutput:
     text: str
 
 
-Part = Grid | Heading | PageVerdict | Markup | ProgramOutput | Sequence[Picture] | Sequence[KeyNumber] | str
+Part = (
+    Grid
+    | Heading
+    | TextWithCode
+    | PageVerdict
+    | Markup
+    | ProgramOutput
+    | Sequence[Picture]
+    | Sequence[KeyNumber]
+    | str
+)
 
 
 def page(title: str, lead: str, parts: Sequence[Part]) -> str:
@@ -113,8 +132,8 @@ def page(title: str, lead: str, parts: Sequence[Part]) -> str:
 
 def _part(part: Part) -> str:
     match part:
-        case str():
-            return f"<p>{_with_code(part)}</p>"
+        case str() | TextWithCode():
+            return f"<p>{escape(part) if isinstance(part, str) else _with_code(part.text)}</p>"
         case Markup():
             return part.html
         case Heading() | ProgramOutput():
@@ -143,8 +162,9 @@ def _number(one: KeyNumber) -> str:
 def _table(grid: Grid) -> str:
     columns = list(zip(*grid.rows, strict=True)) or [()] * len(grid.head)
     kinds = [_kind(column) for column in columns]
-    lines = [_line("td", kinds, row) for row in grid.rows]
-    head = _line("th", kinds, grid.head)
+    words = _with_code if grid.has_code else escape
+    lines = [_line("td", kinds, map(words, row)) for row in grid.rows]
+    head = _line("th", kinds, map(words, grid.head))
     table = f"<table><thead>{head}</thead><tbody>{''.join(lines)}</tbody></table>"
     return f'<div class="scroll">{table}</div>'
 
@@ -157,14 +177,10 @@ def _kind(column: Sequence[str]) -> str:
     return "" if is_number else ' class="text"'
 
 
-def _line(tag: str, kinds: Sequence[str], cells: Sequence[str]) -> str:
-    marked = zip(kinds, map(_breakable, cells), strict=True)
-    return f"<tr>{''.join(f'<{tag}{kind}>{cell}</{tag}>' for kind, cell in marked)}</tr>"
-
-
-def _breakable(cell: str) -> str:
-    """Return the HTML of a cell, in which a long name may be wrapped at each underscore."""
-    return _with_code(cell).replace("_", "_<wbr>")
+def _line(tag: str, kinds: Sequence[str], cells: Iterable[str]) -> str:
+    """Return the HTML of a row, in whose cells a long name may be wrapped at each underscore."""
+    wrapped = zip(kinds, (cell.replace("_", "_<wbr>") for cell in cells), strict=True)
+    return f"<tr>{''.join(f'<{tag}{kind}>{cell}</{tag}>' for kind, cell in wrapped)}</tr>"
 
 
 def _with_code(text: str) -> str:

@@ -3,7 +3,16 @@
 from base64 import b64decode
 from pathlib import Path
 
-from q2q_sim.report.html_page import Grid, KeyNumber, Markup, PageVerdict, Picture, ProgramOutput, page
+from q2q_sim.report.html_page import (
+    Grid,
+    KeyNumber,
+    Markup,
+    PageVerdict,
+    Picture,
+    ProgramOutput,
+    TextWithCode,
+    page,
+)
 
 
 def test_a_picture_travels_inside_the_page(tmp_path: Path) -> None:
@@ -29,10 +38,18 @@ def test_columns_of_numbers_are_right_aligned_and_long_text_is_wrapped() -> None
 
 
 def test_commands_are_not_split_and_long_names_in_tables_may_be() -> None:
-    html = page("t", "l", ["run `fly <x> --real`.", Grid(["name", "n"], [["z_rmse_m", "1"]])])
+    text = "run `fly <x> --real`."
+    html = page("t", "l", [TextWithCode(text), Grid(["name", "n"], [["z_rmse_m", "1"]])])
     assert "<p>run <code>fly &lt;x&gt; --real</code>.</p>" in html
     assert "code { white-space: nowrap; }" in html
     assert '<td class="text">z_<wbr>rmse_<wbr>m</td>' in html
+
+
+def test_names_keep_their_backticks() -> None:
+    """Those of vehicles, flights and bags may have them; q2q's own tables say that theirs mean code."""
+    html = page("t", "l", ["a `c`", Grid(["`c`"], [["`c`"]])])
+    assert html.count("`c`") == 3
+    assert '<td class="text"><code>c</code></td>' in page("t", "l", [Grid(["n"], [["`c`"]], has_code=True)])
 
 
 def test_what_a_program_printed_keeps_its_lines() -> None:

@@ -109,7 +109,7 @@ def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutc
     """Write index.html into a folder."""
     pictures = [Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)]
     cells = without_repeated_notes(table_cells(numbers, outcomes))
-    parts: list[Part] = [closeness_sentence(numbers, outcomes), Grid(HEAD, cells), pictures]
+    parts: list[Part] = [closeness_sentence(numbers, outcomes), Grid(HEAD, cells, has_code=True), pictures]
     write_text(page(TITLE, LEAD, parts), out / "index.html")
 
 

@@ -16,7 +16,16 @@ from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.replay_page import in_air, replay_element, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
-from q2q_sim.report.html_page import Heading, KeyNumber, Markup, PageVerdict, Part, Picture, page
+from q2q_sim.report.html_page import (
+    Heading,
+    KeyNumber,
+    Markup,
+    PageVerdict,
+    Part,
+    Picture,
+    TextWithCode,
+    page,
+)
 from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.run_table import MODE_WORDS, run_grid, run_notes, run_verdicts
 from q2q_sim.report.significant_digits import centimetres
@@ -72,7 +81,7 @@ def write_demo_page(runs: Sequence[FlightRun], out: Path) -> None:
         *([numbers] if numbers else []),
         PageVerdict(run_verdicts(runs), all(run.verdict.ok for run in runs)),
         run_grid(runs),
-        NOTE,
+        TextWithCode(NOTE),
         Heading("As Figs 14a-d of the paper"),
         plot_runs(runs, out),
         *run_notes(runs),
