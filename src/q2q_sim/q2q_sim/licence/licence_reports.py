@@ -10,6 +10,7 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import Json
 from q2q_model.documents.written_file import write_text
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.licence.finding_lines import finding_lines
 from q2q_sim.licence.licence_flights import Licence
 from q2q_sim.licence.room.licence_log import LicenceLog
 from q2q_sim.licence.trial_processes import FlownTrial
@@ -128,7 +129,7 @@ def _valid(text: str) -> str:
 
 def write_licence_page(found: Licence, folder: Path) -> Path:
     """Write the page of a licence into a folder; return its path."""
-    rows = [(one.trial.words, one.verdict, "; ".join(one.sentences) or "-") for one in found.flights]
+    rows = [(one.trial.words, one.verdict, _found_text(one)) for one in found.flights]
     rows += [(trial.words, "not flown", "no time left") for trial in found.left_out]
     parts: list[Part] = [PageVerdict(verdict_text(found), ok=found.passed), Grid(HEAD, rows)]
     shown = [found.flights[0], *(one for one in found.failed[:1] if one is not found.flights[0])]
@@ -141,6 +142,12 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
     file = folder / "index.html"
     write_text(page(f"Licence of {found.program.name}", _lead(found), parts), file)
     return file
+
+
+def _found_text(flight: FlownTrial) -> str:
+    """Return the lines of what was found, or how the simulator failed."""
+    errors = () if flight.error is None else (flight.error.sentence,)
+    return "\n".join((*errors, *finding_lines(flight.findings))) or "-"
 
 
 def _lead(found: Licence) -> str:

@@ -25,7 +25,8 @@ h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; white-space: nowrap; }
 th { background: #f4f5f7; font-weight: 600; white-space: pre-line; vertical-align: bottom; }
-.text, .words { text-align: left; } td.words { white-space: normal; min-width: 12rem; }
+.text, .words { text-align: left; } td.words { white-space: pre-line; min-width: 12rem; }
+td { vertical-align: top; }
 .pictures { display: grid; gap: 1.2rem; margin: 1rem 0; }
 .pictures { grid-template-columns: repeat(auto-fill, minmax(min(420px, 100%), 1fr)); }
 @media (max-width: 600px) { th, td { padding: .25rem .4rem; } body { padding: 0 .8rem; } }
