@@ -80,6 +80,7 @@ REFUSALS = (
     ("q2q_sim.commands.explain . --orders 5", 1, "5; must be even and at least 4"),
     ("q2q_sim.commands.licence none.py", 2, "no program at none.py"),
     ("q2q_sim.commands.licence", 2, "either a program or --score FOLDER"),
+    ("q2q_sim.commands.licence docs", 2, "docs is a folder without __main__.py: give a program, or --score"),
     ("q2q_sim.commands.licence . --room 0 1 1", 2, "sizes must be above 0 m"),
     ("q2q_sim.commands.licence . --room nan 6 2.5", 2, "sizes must be above 0 m"),
     ("q2q_sim.commands.licence . --start 0 nan 0", 2, "nan; must be a finite number"),

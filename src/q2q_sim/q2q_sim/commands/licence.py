@@ -74,6 +74,10 @@ def _prepare(after_dashes: list[str], args: Namespace) -> Work:
     require_existing("file", args.crazyflies)
     require_existing("program", args.script)
     require_existing("folder", args.score)
+    if args.script and args.script.is_dir() and not (args.script / "__main__.py").exists():
+        raise UsageError(
+            f"{args.script} is a folder without __main__.py: give a program, or --score {args.script}"
+        )
     from q2q_sim.licence.licence_command import judge_program, score_programs
 
     return judge_program if args.script else score_programs
