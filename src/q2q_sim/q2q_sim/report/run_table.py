@@ -1,5 +1,6 @@
 """Table of flights, one row for each vehicle and mode, as the paper's Table 6; a summary of many vehicles."""
 
+import math
 from collections.abc import Sequence
 
 from rich.box import SIMPLE_HEAD
@@ -97,8 +98,10 @@ def run_verdicts(runs: Sequence[FlightRun]) -> str:
 def _note(run: FlightRun) -> str:
     timing, missed = run.timing, counted(run.timing.missed_ticks, "tick")
     latency, tail = significant_digits(timing.latency_p50_ms, 2), significant_digits(timing.latency_p99_ms, 2)
+    zone = run.metrics.zone_time_s  # NaN for one vehicle
+    inside = f"{significant_digits(zone)} s in the zone, " if math.isfinite(zone) else ""
     return (
-        f"{mode_words(run.request)}: {significant_digits(run.metrics.zone_time_s)} s in the zone, "
+        f"{mode_words(run.request)}: {inside}"
         f"{significant_digits(timing.real_time_factor, 2)} x real time, {missed} missed,\n"
         f"    mocap to command {latency} ms in the median, {tail} ms at p99"
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
-from replay_browser import IN_REPLAY, STATE, OpenPage, needs_chromium, opened_browser
+from replay_browser import IN_REPLAY, STATE, OpenPage, hovering, needs_chromium, opened_browser
 
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
@@ -195,7 +195,10 @@ def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browse
 def test_the_air_nearest_to_a_pushed_vehicle_is_warm_also_where_it_is_drawn_beside_it(
     browser: Browser, tmp_path: Path, wake_speed: float, above: float
 ):
-    """cf1 is below and 0.3 m beside cf2, whose air it is in, and is pushed by too little for an arrow."""
+    """cf1 is below and 0.3 m beside cf2, whose air it is in, and is pushed by too little for an arrow.
+
+    In both flights it is pushed at the end: air is not drawn where there is no push at all.
+    """
     t = 0.1 * np.arange(20)
     pos = np.tile([(0.0, 0.0, 0.5), (0.3, 0.0, 0.5 + above)], (len(t), 1, 1))
     unknown = np.full_like(pos, np.nan)
@@ -208,6 +211,7 @@ def test_the_air_nearest_to_a_pushed_vehicle_is_warm_also_where_it_is_drawn_besi
     for push in (0.0, -0.09):
         file = tmp_path / "page.html"
         pushed = np.tile([(0.0, 0.0, push), (0.0, 0.0, 0.0)], (len(t), 1, 1))
+        pushed[-1, 0, 2] = -0.09
         file.write_text(replay_html([replace(made, downwash=pushed)], "Air"), encoding="utf-8")
         opened = OpenPage(browser, file.as_uri(), color_scheme="light")
         opened.draw_at(1.0)
@@ -215,6 +219,20 @@ def test_the_air_nearest_to_a_pushed_vehicle_is_warm_also_where_it_is_drawn_besi
         blue_pixels.append((blue > red + 0.06).sum())
         opened.page.context.close()
     assert blue_pixels[1] < 0.5 * blue_pixels[0]  # the other half is the air of cf1, which pushes nobody
+
+
+def test_air_that_pushes_nobody_is_neither_drawn_nor_explained(browser: Browser, tmp_path: Path):
+    """As in a flight of one vehicle; a flight that does not record the downwash shows its air."""
+    made = hovering(("cf1",))
+    for downwash, shown in ((np.zeros_like(made.pos), False), (made.downwash, True)):
+        file = tmp_path / "page.html"
+        file.write_text(replay_html([replace(made, downwash=downwash)], "Alone"), encoding="utf-8")
+        opened = OpenPage(browser, file.as_uri())
+        opened.draw_at(1.0)
+        assert ("Air" in opened.texts("button")) == shown
+        assert "Air turns" not in opened.texts(".notes")[0]
+        assert opened.said == []
+        opened.page.context.close()
 
 
 def test_between_two_ticks_a_tumbling_vehicle_turns_the_short_way(wide: OpenPage):

@@ -1,6 +1,8 @@
 """The table of flights in a terminal of any width has every number and every name whole."""
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -65,6 +67,13 @@ def test_a_row_for_each_vehicle_where_it_fits() -> None:
 
 def test_the_path_of_a_scenario_is_printed_as_it_is() -> None:
     assert words(SHORT, 80, FlightRequest("sc[red].yaml"))[:2] == ["sc[red].yaml,", "pid"]
+
+
+def test_one_vehicle_has_no_time_in_the_zone() -> None:
+    run = run_of(("cf1",), TABLE6)
+    alone = replace(run, metrics=replace(run.metrics, zone_time_s=math.nan))
+    assert run_notes([run])[0].startswith("aware: 0 s in the zone, - x real time")
+    assert run_notes([alone])[0].startswith("aware: - x real time")
 
 
 @pytest.mark.parametrize(("mode", "said"), [("ignoring", "ignoring"), ("aware_unlimited", "no limit")])

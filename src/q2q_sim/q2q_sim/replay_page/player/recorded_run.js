@@ -125,6 +125,11 @@ export class RecordedRun {
     return strongest;
   }
 
+  /** Return whether the downwash was recorded, and no vehicle was ever in one. */
+  get isStill() {
+    return this.has("downwash") && this.strongestPush() === 0;
+  }
+
   /** Return lowest and highest value of a component over all vehicles. */
   range(channel, component) {
     let low = Infinity;

@@ -151,7 +151,7 @@ class Replay {
       onLook: (name) => this.#moveCamera(() => this.sight.look(name)),
       onFollow: (vehicle) => this.#moveCamera(() => (this.sight.followed = vehicle)),
     });
-    const known = LAYERS.filter(({ needs }) => this.runs.some((run) => run.has(needs)));
+    const known = LAYERS.filter(({ isIn }) => this.runs.some(isIn));
     const layers = layerButtons(known.map(({ name }) => name), this.#shown(), (name, isShown) => {
       for (const { view } of this.panels) view?.show(name, isShown);
       this.#isStale = true;
@@ -171,9 +171,9 @@ class Replay {
     const lines = new Set([...this.runs.map((run) => run.facts.note), ...absent]);
     const push = this.sight.room.fullPush.toPrecision(2);
     const legends = [
-      ["downwash", `Air turns from blue to orange as it pushes a vehicle below it (orange: ${push} m/s²).`],
-      ["ref", "Dashed: reference."],
-    ].flatMap(([channel, words]) => (this.runs.some((run) => run.has(channel)) ? [words] : []));
+      [(run) => run.strongestPush() > 0, `Air turns from blue to orange as it pushes a vehicle below it (orange: ${push} m/s²).`],
+      [(run) => run.has("ref"), "Dashed: reference."],
+    ].flatMap(([isIn, words]) => (this.runs.some(isIn) ? [words] : []));
     const crosses = "Crosses: motion capture that the filter did not follow; in the curves at the edge if it lies outside.";
     if (this.runs.some((run) => run.facts.outliers.length > 0)) legends.push(crosses);
     return made("p", { className: "notes", textContent: [...legends, ...lines].join(" ") });

@@ -10,13 +10,13 @@ import { Trails } from "./trails.js";
 import { Vehicles } from "./vehicles.js";
 import { Zones } from "./zones.js";
 
-/** Layers in the order of their buttons: name, class, and the channel that they need. */
+/** Layers in the order of their buttons: name, class, and whether a run has what they show. */
 export const LAYERS = [
-  { name: "Air", make: Air, needs: "pos" },
-  { name: "Trails", make: Trails, needs: "pos" },
-  { name: "Reference", make: References, needs: "ref" },
-  { name: "Zone", make: Zones, needs: "pos" },
-  { name: "Motion capture", make: MocapSamples, needs: "mocap" },
+  { name: "Air", make: Air, isIn: (run) => !run.isStill },
+  { name: "Trails", make: Trails, isIn: (run) => run.has("pos") },
+  { name: "Reference", make: References, isIn: (run) => run.has("ref") },
+  { name: "Zone", make: Zones, isIn: (run) => run.has("pos") },
+  { name: "Motion capture", make: MocapSamples, isIn: (run) => run.has("mocap") },
 ];
 
 /** View of a run in a canvas. */
@@ -36,7 +36,7 @@ export class RunView {
     sun.position.set(1, -2, 4);
     this.scene = new Scene();
     this.scene.add(floorOf(this.room, theme), sun, new AmbientLight("#ffffff", 1.6), ...this.vehicles.objects);
-    for (const { name, make } of LAYERS.filter(({ needs }) => this.run.has(needs))) {
+    for (const { name, make } of LAYERS.filter(({ isIn }) => isIn(this.run))) {
       const layer = new make(this.run, this.room, theme);
       this.layers.set(name, layer);
       this.scene.add(...layer.objects);
@@ -55,7 +55,8 @@ export class RunView {
   /** Draw time t [s] as a camera sees it, with the name of a vehicle that is pointed at. */
   draw(t, camera, { isMoving, pointed }) {
     const seen = 2 * Math.tan((camera.fov * Math.PI) / 360); // height of the picture at a distance of 1 m [m]
-    this.layers.get("Air").scale(this.painter.fit(this.canvas, isMoving) / seen);
+    const pixels = this.painter.fit(this.canvas, isMoving) / seen;
+    this.layers.get("Air")?.scale(pixels);
     this.vehicles.update(t);
     for (const layer of this.layers.values()) if (layer.isShown) layer.update(t);
     this.painter.paint(this.scene, camera, this.canvas);
