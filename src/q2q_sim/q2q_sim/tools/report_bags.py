@@ -33,7 +33,7 @@ from q2q_sim.report.bag_tables import (
 from q2q_sim.report.figures import PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
-from q2q_sim.report.vehicle_rows import plotted_vehicles
+from q2q_sim.report.vehicle_rows import drawn_vehicles_note, plotted_vehicles
 from q2q_sim.tools.distinct_names import distinct_names
 
 
@@ -89,6 +89,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
         _replay(flights),
         Heading("Tracking"),
         tracking_table(flights),
+        *(_choice(first) if pictures else []),
         *([pictures] if pictures else []),
         Heading("Commands and separation"),
         limits_table(flights),
@@ -99,6 +100,10 @@ def write(flights: Sequence[Reported], out: Path) -> None:
     lead = "Tracking against the plan, on the true positions where the bag has them, else on filtered ones."
     html = page(f"Flight {first.flight.name}", lead, parts)
     write_text(html, out / "index.html")
+
+
+def _choice(one: Reported) -> list[str]:
+    return drawn_vehicles_note(len(one.flight.names), one.flight.name)
 
 
 def _replay(flights: Sequence[Reported]) -> Part:
