@@ -15,7 +15,7 @@ from q2q_model import palette
 from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.metrics.flight_metrics import best_position
-from q2q_sim.report.panels import legend_above, literal, panels
+from q2q_sim.report.panels import legend_above, literal, panel_title, panels
 
 ALONE = 1.5
 """Width of a trace with no other over it [pt]."""
@@ -87,7 +87,7 @@ def plot_quantity(quantity: Quantity, curves: Sequence[PlotCurve], name: str) ->
                 linewidth=trace.width if len(traces) > 1 else ALONE,
                 label=trace.label if apart else literal(curve.label),
             )
-        panel.set_title(literal(f"{name}: {quantity.title}" + (f", {curve.label}" if apart else "")))
+        panel.set_title(panel_title(name, quantity.title, curve.label if apart else ""))
     for panel in axes:
         panel.set_ylabel(quantity.axis)
         panel.set_ylim(*_ends(quantity, curves, name))

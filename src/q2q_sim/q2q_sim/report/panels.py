@@ -15,6 +15,10 @@ WIDTH, PANEL, MARGIN = 5.4, 2.3, 0.9
 DPI = 130
 LETTERS = 45
 """Most letters of a legend in one row."""
+TITLE_LETTERS = 44
+"""Most letters of a title: those of 11 points that fit the width, if they are not wide ones."""
+SHORT_NAME = 8
+"""Letters that a title keeps of a long name, at least."""
 MOST_LETTERS = 50
 """Most letters of a vehicle's or flight's name in the name of a file."""
 STYLE = {
@@ -50,6 +54,18 @@ def literal(words: str) -> str:
     """
     plain = words.replace("$", r"\$")
     return f" {plain}" if plain.startswith("_") else plain
+
+
+def panel_title(name: str, quantity: str, flight: str = "") -> str:
+    """Return the title of a panel in one row; long names of vehicle and flight lose their middle."""
+    named = f", {_shortened(flight, SHORT_NAME)}" if flight else ""
+    rest = f": {quantity}{named}"
+    return literal(_shortened(name, max(TITLE_LETTERS - len(rest), SHORT_NAME)) + rest)
+
+
+def _shortened(name: str, most: int) -> str:
+    end = (most - 1) // 2
+    return name if len(name) <= most else f"{name[: most - 1 - end]}…{name[-end:]}"
 
 
 def picture_file(folder: Path, name: str, what: str = "") -> Path:

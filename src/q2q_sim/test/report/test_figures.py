@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from q2q_model import palette
 from q2q_model.flights.flight import Flight
@@ -123,3 +124,19 @@ def test_flights_of_different_days_lie_over_each_other_from_their_first_ticks(fl
     assert len(axes.lines) == 3  # both and the reference
     for line in axes.lines:
         assert np.asarray(line.get_xdata()) == pytest.approx(flight.t, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["altitude", "tilt", "downwash"])
+def test_a_title_of_a_long_name_is_as_wide_as_the_figure_at_most_and_has_the_quantity(
+    flight: Flight, kind: str
+) -> None:
+    name = "west_" + 90 * "v" + "_2"
+    named = replace(flight, names=(name, "cf2"), roll=0.1 * flight.thrust, pitch=flight.thrust)
+    figure = plot_quantity(KINDS[kind], [PlotCurve(named, "flight_" + 80 * "n")], name)
+    FigureCanvasAgg(figure).draw()
+    title = figure.axes[0].title
+    extent = title.get_window_extent()
+    assert 0.0 <= extent.x0 < extent.x1 <= figure.bbox.width
+    assert title.get_text().startswith("west")
+    assert f"v_2: {KINDS[kind].title}" in title.get_text()
+    assert plot_quantity(KINDS[kind], [PlotCurve(named, "a")], "cf2").axes[0].get_title().startswith("cf2: ")
