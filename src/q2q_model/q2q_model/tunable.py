@@ -8,6 +8,7 @@ tuple[float, ...], tuple[str, ...].
 
 from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, replace
+from numbers import Real
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from q2q_model.nearest_name import parameter_hint
@@ -84,7 +85,9 @@ def tunable_of(entry: Field[Any]) -> Tunable:
 def check_bounds(params: ParamsClass) -> None:
     """Raise OutOfBoundsError with field, value and range of the first violation; for `__post_init__`."""
     for entry in fields(params):
-        _check(type(params).__name__, entry.name, getattr(params, entry.name), tunable_of(entry))
+        value = getattr(params, entry.name)
+        _check_kind(type(params).__name__, entry, value)
+        _check(type(params).__name__, entry.name, value, tunable_of(entry))
 
 
 def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
@@ -98,6 +101,15 @@ def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
             hint = parameter_hint(key, known)
             raise ValueError(f"{type(params).__name__} has no parameter {key!r}; {hint}")
     return replace(params, **overrides)
+
+
+def _check_kind(owner: str, entry: Field[Any], value: object) -> None:
+    """Raise OutOfBoundsError for a text, truth value, array or list where the default is a number."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if isinstance(entry.default, Real) and not isinstance(entry.default, bool) and not is_number:
+        allowed = tunable_of(entry).allowed
+        said = allowed if allowed == "a number" else f"a number {allowed}"
+        raise OutOfBoundsError(owner, entry.name, f"{value!r}; must be {said}")
 
 
 def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:

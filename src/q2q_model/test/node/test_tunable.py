@@ -3,6 +3,7 @@
 import pickle
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 from q2q_model.nearest_name import parameter_hint
@@ -30,6 +31,13 @@ def test_an_override_replaces_one_field_and_keeps_the_rest() -> None:
 def test_a_value_out_of_bounds_is_refused_naming_value_and_bounds(wrong: float) -> None:
     with pytest.raises(ValueError, match=r"Demo.gain = .*; must be in \[0.0, 2.0\] 1/s"):
         Demo(gain=wrong)
+
+
+@pytest.mark.parametrize("wrong", ["1", True, None, np.array(1.0), (1.0,)])
+def test_what_is_no_number_is_refused_where_one_is_expected(wrong: object) -> None:
+    with pytest.raises(ValueError, match=r"Demo\.gain = .*; must be a number in \[0\.0, 2\.0\] 1/s"):
+        Demo(gain=wrong)
+    assert Demo(gain=np.float32(1.0)) == Demo(gain=1) == Demo(gain=np.int64(1)) == Demo()
 
 
 def test_an_unknown_key_is_answered_with_the_nearest_right_one() -> None:
