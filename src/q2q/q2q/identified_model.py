@@ -54,6 +54,8 @@ def identify(
     check_positive("threshold", threshold, "m/s^2")
     if not isinstance(bags, str | Path | Iterable):
         raise TypeError(f"bags = {bags!r}; must be the folder of a bag, or several")
+    if isinstance(bags, bytes):
+        raise TypeError(f"bags = {bags!r}; must be text or a Path, not bytes")
     paths = [Path(bag) for bag in ([bags] if isinstance(bags, str | Path) else bags)]
     if not paths:
         raise ValueError("no bags: give the folder of a recorded flight, or several")

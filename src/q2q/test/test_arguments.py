@@ -1,6 +1,7 @@
 """Arguments of the public functions: mistakes are refused with what was given and what is allowed."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,8 @@ BEYOND = r"; must be a finite number above 0 m/s\^2$"
             lambda: q2q.scenario(None),
             r"scenario = None; must be a name, a file, a document or a q2q.Scenario",
         ),
+        (lambda: q2q.identify(bytes(BAG)), r"bags = b'.*table2_1'; must be text or a Path, not bytes$"),
+        (lambda: replace(q2q.scenario(STACK), duration="3"), r"duration = '3'; must be a number of seconds$"),
         (lambda: q2q.identify(BAG, threshold="x"), f"threshold = 'x'{BEYOND}"),
         (lambda: q2q.identify(3), r"bags = 3; must be the folder of a bag, or several$"),
         (lambda: q2q.campaign(2.5), r"runs = 2.5; must be an integer >= 1$"),

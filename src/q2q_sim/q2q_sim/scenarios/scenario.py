@@ -1,7 +1,7 @@
 """Scenario of a flight: vehicles, paths, room, downwash and parameters of the blocks."""
 
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from numbers import Real
 from typing import Literal
 
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
@@ -65,8 +65,15 @@ class Scenario:
     """Parameters of blocks that differ from their defaults: {block: {parameter: value}}."""
 
     def __post_init__(self) -> None:
-        """Check the values that no part checks itself; raise ValueError with what is allowed."""
-        if not (isfinite(self.duration) and SHORTEST <= self.duration <= LONGEST):
+        """Check the values that no part checks itself; say what is allowed.
+
+        Raises:
+            TypeError: the duration is no number.
+            ValueError: a value is not allowed.
+        """
+        if not isinstance(self.duration, Real):
+            raise TypeError(f"duration = {self.duration!r}; must be a number of seconds")
+        if not SHORTEST <= self.duration <= LONGEST:
             raise ValueError(f"duration = {self.duration}; must be in [{SHORTEST}, {LONGEST}] s")
         wake_by_name(self.wake)
         if self.air:
