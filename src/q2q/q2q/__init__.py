@@ -34,6 +34,7 @@ from q2q_model.identification.identification import Identification
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 from q2q_sim.campaigns.random_runs.run_outcome import RunOutcome
 from q2q_sim.monitors.flight_verdict import FlightVerdict
@@ -52,6 +53,7 @@ __all__ = [
     "Interference",
     "ModelFile",
     "Push",
+    "RoomAir",
     "RunOutcome",
     "Scenario",
     "Sources",

@@ -43,7 +43,10 @@ def scenario_names() -> list[str]:
 
 
 def load_air(name: AirName, *, without: tuple[str, ...] = ()) -> FlownAir:
-    """Return an air, a frozen dataclass if it is learned: change its terms by `dataclasses.replace`.
+    """Return an air: a `q2q.RoomAir` (a learned or synthetic one), a law, or a class of your own.
+
+    A RoomAir is a frozen dataclass: change its terms by `dataclasses.replace`, after
+    `assert isinstance(air, q2q.RoomAir)` for type checkers.
 
     Args:
         name: a shipped name, as "room", a .air file or "module:Class".

@@ -117,3 +117,10 @@ def test_an_outcome_names_the_air_of_its_campaign(tmp_path: Path):
 def test_a_campaign_of_no_runs_is_refused_at_once(runs: int, choice: dict[str, int]):
     with pytest.raises(ValueError, match="must be an integer >= "):
         q2q.campaign(runs, **choice)
+
+
+def test_the_terms_of_a_learned_air_are_replaced_through_its_exported_type() -> None:
+    air = q2q.load_air("room", without=("residual",))
+    assert isinstance(air, q2q.RoomAir)
+    assert (replace(air, jet=None).jet, air.residual) == (None, None)
+    assert not isinstance(q2q.load_air("measured"), q2q.RoomAir)
