@@ -10,9 +10,11 @@ from q2q_model.downwash.interaction_model import Reach
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.level_set import level_set
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
+from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.zones.altitude_response import altitude_errors, altitude_rms
@@ -92,3 +94,14 @@ def test_where_all_height_errors_are_harmless_no_share_is_stated() -> None:
     )
     alone = avoid_downwash(swarm[:1], LearnedDownwash(PAPER_LAW))
     assert alone.effect == "leaves a predicted height error of at most 0 mm (0 mm without avoidance)"
+
+
+def test_a_downwash_that_no_plan_avoids_is_refused() -> None:
+    """Two vehicles that stop 0.95 m above each other feel the same with and without a certified plan."""
+    places = ((0.0, 0.0), (8.0, 1.5), (16.0, 3.0))
+    swarm = [
+        VehicleWaypoints(name, tuple(Waypoint(t, (x, 0.0, z)) for t, x in places))
+        for name, z in (("cf1", 2.15), ("cf2", 1.2))
+    ]
+    with pytest.raises(InfeasibleError, match=r"no plan avoids 88 % of .* error: at most 0\.0 % is avoided"):
+        avoid_downwash(swarm, LearnedDownwash(find_model("measured_law").interaction))

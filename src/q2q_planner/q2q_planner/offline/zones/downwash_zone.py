@@ -91,11 +91,10 @@ def avoid_downwash(
 ) -> DownwashPlan:
     """Return the cheapest plan that reduces every vehicle's height error by the given share.
 
-    Around each zone the search starts from `warm`, or as `avoid_zones` says without one. If no plan does, the
-    certified one with the largest reduction is returned; check `cut`.
+    Around each zone the search starts from `warm`, or as `avoid_zones` says without one.
 
     Raises:
-        InfeasibleError: no plan was found around any zone tried.
+        InfeasibleError: no plan was found around any zone tried, or none reduces the error by so much.
         ValueError: the model has no downwash, or the waypoints cannot be flown.
     """
     before = _predicted(minimum_snap_plan(swarm, reading), downwash)
@@ -119,9 +118,11 @@ def avoid_downwash(
     if not tried:
         raise refusals[-1]
     enough = [one for one in tried if one.cut >= downwash.cut]
-    if enough:
-        return min(enough, key=lambda one: one.found.cost)
-    return max(tried, key=lambda one: one.cut)
+    if not enough:
+        most = f"at most {100.0 * max(one.cut for one in tried):.1f} % is avoided"
+        asked = f"{100.0 * downwash.cut:g} % of the predicted height error"
+        raise InfeasibleError(f"no plan avoids {asked}: {most}; allow more time, or move waypoints apart")
+    return min(enough, key=lambda one: one.found.cost)
 
 
 def _predicted(plan: SwarmPlan, downwash: LearnedDownwash) -> Array:
