@@ -119,8 +119,14 @@ def test_a_campaign_of_no_runs_is_refused_at_once(runs: int, choice: dict[str, i
         q2q.campaign(runs, **choice)
 
 
-def test_the_terms_of_a_learned_air_are_replaced_through_its_exported_type() -> None:
-    air = q2q.load_air("room", without=("residual",))
-    assert isinstance(air, q2q.RoomAir)
-    assert (replace(air, jet=None).jet, air.residual) == (None, None)
-    assert not isinstance(q2q.load_air("measured"), q2q.RoomAir)
+@pytest.mark.parametrize("around", [None, "measured_law"])
+def test_a_plan_that_a_vehicle_cannot_fly_is_refused(around: str | None):
+    ends = {"cf1": (-1.0, 0.0), "cf2": (1.0, 0.6)}
+    hasty = {
+        "vehicles": {
+            name: [{"t": 0.0, "pos": [x, y, 1.0]}, {"t": 1.6, "pos": [-x, y, 1.0]}]
+            for name, (x, y) in ends.items()
+        }
+    }
+    with pytest.raises(ValueError, match=r"cf1, after waypoint 0 .* tilts by 0\.5\d+ rad, but controllers"):
+        q2q.plan(hasty, around=around)

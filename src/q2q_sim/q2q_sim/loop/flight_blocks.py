@@ -30,6 +30,7 @@ from q2q_model.signals.values import SwarmImu
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
+from q2q_planner.offline.minimum_snap.feasibility import check_feasible
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
@@ -125,11 +126,15 @@ def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
 
     Raises:
         InfeasibleError: no such plan was found.
+        NotFlyableError: the vehicles cannot fly it.
     """
-    if not peak_downwash(known.interaction) > 0.0:
-        return plan_of(scenario, known.zone)
-    downwash = LearnedDownwash(known.interaction, known.gains or PAPER_LOOP)
-    return avoid_downwash(scenario.waypoints, downwash, scenario.reading).found.plan
+    if peak_downwash(known.interaction) > 0.0:
+        downwash = LearnedDownwash(known.interaction, known.gains or PAPER_LOOP)
+        made = avoid_downwash(scenario.waypoints, downwash, scenario.reading).found.plan
+    else:
+        made = plan_of(scenario, known.zone)
+    check_feasible(made, scenario.waypoints, scenario.vehicle)
+    return made
 
 
 def filter_params(scenario: Scenario) -> MocapFilterParams:
