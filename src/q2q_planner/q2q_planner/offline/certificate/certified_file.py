@@ -18,11 +18,14 @@ from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import zone_of_profile
-from q2q_planner.offline.certificate.reference_steps import Steps, largest_steps
+from q2q_planner.offline.certificate.reference_steps import Steps, largest_step_sums
 from q2q_planner.offline.certificate.upward_thrust import least_upward_thrust
 
 STEPS_MAX = Steps(pos=1e-3, vel=1e-2, yaw=1e-2)
-"""Largest steps that pass: far above rounding, below tracking errors."""
+"""Largest sums of the steps within STEPS_SPAN that pass: far above rounding, below tracking errors."""
+
+STEPS_SPAN = 1.0
+"""Time in which steps add up [s]: a vehicle follows what is slower than STEPS_MAX in it."""
 
 
 def load_plan(path: Path) -> SwarmPlan:
@@ -57,12 +60,13 @@ def load_plan(path: Path) -> SwarmPlan:
 def _check_continuous(plan: SwarmPlan, path: Path) -> None:
     for name, curve in zip(plan.names, plan.trajectories, strict=True):
         with np.errstate(over="ignore", invalid="ignore"):
-            found = largest_steps(curve)
+            found = largest_step_sums(curve, STEPS_SPAN)
         words = ("position", "m"), ("velocity", "m/s"), ("yaw", "rad")
         for step, allowed, (what, unit) in zip(found, STEPS_MAX, words, strict=True):
             if not step <= allowed:
                 bound = f"maximum {allowed:g} {unit}; {plan_file.REMEDY}"
-                raise ValueError(f"{path}: the {what} of {name} jumps by {step:.3g} {unit}, {bound}")
+                jump = f"jumps by {step:.3g} {unit} within {STEPS_SPAN:g} s"
+                raise ValueError(f"{path}: the {what} of {name} {jump}, {bound}")
 
 
 def _check_thrust(plan: SwarmPlan, path: Path) -> None:

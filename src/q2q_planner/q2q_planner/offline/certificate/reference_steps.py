@@ -16,7 +16,7 @@ TURN = 2.0 * np.pi
 
 
 class Steps(NamedTuple):
-    """Largest steps of a trajectory."""
+    """Steps of a trajectory: the largest ones, or their largest sums."""
 
     pos: float
     """Of a coordinate, from one piece to the next [m]."""
@@ -26,15 +26,42 @@ class Steps(NamedTuple):
     """From one piece to the next, less whole turns [rad]."""
 
 
+class _TimedSteps(NamedTuple):
+    """Sizes of the steps of one quantity."""
+
+    t: Array
+    """[s], rising, (k,)."""
+    size: Array
+    """Of each coordinate, (k, coordinates)."""
+
+
 def largest_steps(curve: Trajectory) -> Steps:
     """Return the largest steps over all pieces; not finite where numbers overflow."""
+    return Steps(*(float(one.size.max(initial=0.0)) for one in _all_steps(curve)))
+
+
+def largest_step_sums(curve: Trajectory, span: float) -> Steps:
+    """Return the largest sums of the steps within any `span` [s]; not finite where numbers overflow."""
+    return Steps(*(_largest_sum(one, span) for one in _all_steps(curve)))
+
+
+def _all_steps(curve: Trajectory) -> tuple[_TimedSteps, _TimedSteps, _TimedSteps]:
+    """Return the steps of position, velocity and yaw."""
     starts, ends = _at_both_ends(curve, 0)
     rest = np.zeros((1, 3))
     start_vel, end_vel = (vel[:, :3] for vel in _at_both_ends(curve, 1))
     pos = ends[:-1, :3] - starts[1:, :3]
     vel = np.concatenate([rest, end_vel]) - np.concatenate([start_vel, rest])
-    yaw = np.remainder(ends[:-1, 3] - starts[1:, 3] + 0.5 * TURN, TURN) - 0.5 * TURN
-    return Steps(*(float(np.abs(step).max(initial=0.0)) for step in (pos, vel, yaw)))
+    yaw = np.remainder(ends[:-1, 3:] - starts[1:, 3:] + 0.5 * TURN, TURN) - 0.5 * TURN
+    t = np.concatenate([[0.0], np.cumsum(curve.durations)])
+    return _TimedSteps(t[1:-1], np.abs(pos)), _TimedSteps(t, np.abs(vel)), _TimedSteps(t[1:-1], np.abs(yaw))
+
+
+def _largest_sum(steps: _TimedSteps, span: float) -> float:
+    """Return the largest sum, of a coordinate, of the steps within any `span` [s]."""
+    total = np.concatenate([np.zeros((1, steps.size.shape[1])), np.cumsum(steps.size, axis=0)])
+    last = np.searchsorted(steps.t, steps.t + span, side="right")
+    return float((total[last] - total[:-1]).max(initial=0.0))
 
 
 def _at_both_ends(curve: Trajectory, derivative: int) -> tuple[Array, Array]:
