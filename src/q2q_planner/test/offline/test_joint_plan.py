@@ -36,6 +36,21 @@ def test_a_slow_flight_takes_the_way_of_a_fast_one() -> None:
     assert way[1] == pytest.approx(way[0], abs=1e-5)
 
 
+def test_a_short_exchange_is_planned_alike_before_a_long_hover() -> None:
+    """Of 2 h, 3 s lie between two of 512 equally spaced times."""
+
+    def with_hover(end: float) -> list[VehicleWaypoints]:
+        return [
+            VehicleWaypoints(
+                name, (Waypoint(0, (x, 0, 1)), Waypoint(3, (-x, 0, 1)), Waypoint(end, (-x, 0, z)))
+            )
+            for name, x, z in (("cf1", -1.0, 1.2), ("cf2", 1.0, 1.0))
+        ]
+
+    ratio = [found.cost / found.infimum for found in (avoid_zones(with_hover(t), PAPER) for t in (60, 7200))]
+    assert ratio[1] == pytest.approx(ratio[0], rel=2e-3)  # samples lie elsewhere
+
+
 @pytest.mark.parametrize("eps", [0.08, 0.12])
 def test_planes_that_nearly_contradict_each_other_bend_no_curve_wildly(eps: float) -> None:
     """Two pass below a third, which must give way and be back: the dual of the planes grows to 1e6."""

@@ -10,7 +10,9 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
 
 FINE = 512
-"""Number of times at which speeds are evaluated to choose the samples."""
+"""Number of equally spaced times at which speeds are evaluated to choose the samples."""
+FINE_PIECE = 4
+"""Minimum number of intervals between such times in a piece."""
 MOST_ROWS = 2**26
 """Most numbers of the deviation bases: half a gigabyte."""
 
@@ -59,9 +61,22 @@ def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int
     The two fastest vehicles of each moment are assumed to fly head on; at least `fewest` samples.
     """
     end = max(trajectory.duration for trajectory in trajectories)
-    fine = np.linspace(0.0, end, FINE)
+    fine = _fine_times(trajectories, end)
     speed = np.array([np.linalg.norm(one.at(fine, 1)[:, :3], axis=-1) for one in trajectories])
     fastest = np.partition(speed, -min(2, len(speed)), axis=0)[-2:].sum(axis=0)
     rate = fastest / spacing + fewest / end  # samples per second
     count = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
     return np.asarray(np.interp(np.linspace(0.0, count[-1], int(np.ceil(count[-1])) + 1), count, fine))
+
+
+def _fine_times(trajectories: Sequence[Trajectory], end: float) -> Array:
+    """Return times (m,) [s] at which speeds are evaluated, some of them in every piece."""
+    fine = np.linspace(0.0, end, FINE)
+    durations = np.concatenate([one.durations for one in trajectories])
+    starts = np.concatenate([np.cumsum(one.durations) - one.durations for one in trajectories])
+    short = durations < FINE_PIECE * fine[1]
+    if not short.any():
+        return fine
+    share = np.linspace(0.0, 1.0, FINE_PIECE + 1)
+    more = starts[short, None] + durations[short, None] * share
+    return np.unique(np.minimum(np.concatenate([fine, more.ravel()]), end))
