@@ -23,6 +23,31 @@ def test_waypoints_inside_each_others_zone_are_named() -> None:
         avoid_zones(meeting, PAPER)
 
 
+def crossing_of(apart: float) -> list[VehicleWaypoints]:
+    """Return two vehicles that pass the same point, the second one `apart` [s] later."""
+    return [
+        VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 1)), Waypoint(5, (0, 0, 1)), Waypoint(10, (1, 0, 1)))),
+        VehicleWaypoints(
+            "cf2", (Waypoint(0, (0, -1, 1)), Waypoint(5 + apart, (0, 0, 1)), Waypoint(10, (0, 1, 1)))
+        ),
+    ]
+
+
+@pytest.mark.filterwarnings("error")
+def test_waypoints_that_only_a_vehicle_of_10_m_s_keeps_apart_are_named() -> None:
+    both = "cf1, waypoint 1 and cf2, waypoint 1 lie 0.1 m inside each other's zone at t = 5 s and 5.00"
+    for apart in (0.002, 0.009):
+        with pytest.raises(InfeasibleError, match=both):
+            avoid_zones(crossing_of(apart), PAPER, "free")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("apart", [0.02, 0.1])
+def test_a_search_that_diverges_ends_and_names_the_pair(apart: float) -> None:
+    with pytest.raises(InfeasibleError, match=r"cf\d and cf\d cannot be kept apart: 0\.\d+ m inside"):
+        avoid_zones(crossing_of(apart), PAPER)
+
+
 def test_a_vehicle_that_parks_on_the_others_waypoint_is_named() -> None:
     parked = [
         VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 1)), Waypoint(2, (0, 0, 1)))),

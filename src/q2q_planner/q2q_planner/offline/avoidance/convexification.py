@@ -22,6 +22,7 @@ from q2q_planner.offline.avoidance.step_planes import watched_samples
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
 from q2q_planner.offline.certificate.certificate import Certificate, certify
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
+from q2q_planner.offline.minimum_snap.waypoints import FARTHEST
 from q2q_planner.offline.walls import WallProof, prove_within
 
 DENSER = 3
@@ -94,7 +95,10 @@ def _deformed_plan(problem: Problem, deviations: Array) -> SwarmPlan:
 def _iterate(
     problem: Problem, samples: SwarmSamples, start: Start, softness: float, *, corners: bool
 ) -> tuple[Array, int]:
-    """Return the converged deviations (n, m, 3) and the number of steps; cut corners may get planes."""
+    """Return the converged deviations (n, m, 3) and the number of steps; cut corners may get planes.
+
+    Where planes contradict each other deviations may grow without end: those before are returned.
+    """
     side, dual = start.side, np.zeros((problem.rows, len(samples.t)))
     positions = start.plan.positions(samples.t)
     deviations, cost = np.zeros((len(samples.rows), samples.rows.shape[2], 3)), np.inf
@@ -104,8 +108,10 @@ def _iterate(
         if abs(before - cost) < STILL * cost and watched.distance >= 0.0:
             return deviations, step
         at, planes = watched.planes(problem, side)
-        deviations, found = least_deviations(samples, planes, dual[at], softness)
-        dual[at] = found
-        positions, side = samples.positions(deviations)[:, : len(problem.spaces)], np.ones_like(side)
+        taken, found = least_deviations(samples, planes, dual[at], softness)
+        positions, side = samples.positions(taken)[:, : len(problem.spaces)], np.ones_like(side)
+        if not np.abs(positions).max() < FARTHEST:
+            return deviations, step
+        deviations, dual[at] = taken, found
         softness = max(HARD, HARDEN * softness)
     return deviations, problem.most_steps

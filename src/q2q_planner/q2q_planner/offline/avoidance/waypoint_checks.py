@@ -1,6 +1,7 @@
-"""Waypoints that no trajectory can serve: in each other's zone at one time, or beyond a wall."""
+"""Waypoints that no trajectory can serve: in each other's zone at nearly one time, or beyond a wall."""
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,29 +10,49 @@ from q2q_planner.offline.certificate.convex_zone import ConvexZone
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import Walls
 
-SAME_MOMENT = 1e-3
-"""Time difference within which a waypoint is named in an error [s]."""
+FASTEST = 10.0
+"""A vehicle comes to its waypoint at less than this speed [m/s], so it was in a zone shortly before, too."""
 
 
 class InfeasibleError(ValueError):
     """Error when no certified plan was found, naming the pair in conflict, or vehicle and wall."""
 
 
+class _Held(NamedTuple):
+    """A waypoint, and where another vehicle is held then, or shortly before or after."""
+
+    first: int
+    waypoint: int
+    second: int
+    other: int
+    """Waypoint of `second`."""
+    gap: float
+    """Time between the two [s]."""
+
+
 def check_apart(swarm: Sequence[VehicleWaypoints], zone: ConvexZone) -> None:
-    """Raise if waypoints at the same time, or a rest after the last one, lie in each other's zone."""
-    held = list(_held_together(swarm))
+    """Raise if waypoints at nearly one time, or a rest after the last one, lie in each other's zone."""
+    deepest = -float(zone.signed_distance(np.zeros(3)))
+    held = list(_held_together(swarm, deepest / FASTEST))
     if not held:
         return
     rel = [
-        np.subtract(swarm[i].waypoints[at].pos, swarm[j].waypoints[other].pos) for (i, at), (j, other) in held
+        np.subtract(swarm[one.first].waypoints[one.waypoint].pos, swarm[one.second].waypoints[one.other].pos)
+        for one in held
     ]
     clearance = zone.signed_distance(np.array(rel))
-    inside = np.flatnonzero(clearance <= 0.0)
+    inside = np.flatnonzero(clearance + FASTEST * np.array([one.gap for one in held]) <= 0.0)
     if inside.size:
-        (i, at), (j, other) = held[inside[0]]
-        both = f"{swarm[i].name}, waypoint {at} and {swarm[j].name}, waypoint {other}"
-        depth = f"{-clearance[inside[0]]:.3g} m inside each other's zone at t = {swarm[i].waypoints[at].t} s"
-        raise InfeasibleError(f"{both} lie {depth}; no trajectory can keep them apart")
+        words = _held_words(swarm, held[inside[0]], -clearance[inside[0]])
+        raise InfeasibleError(f"{words}; no trajectory can keep them apart")
+
+
+def _held_words(swarm: Sequence[VehicleWaypoints], held: _Held, depth: float) -> str:
+    first, second = swarm[held.first], swarm[held.second]
+    both = f"{first.name}, waypoint {held.waypoint} and {second.name}, waypoint {held.other}"
+    later = f" and {second.waypoints[held.other].t} s" if held.gap else ""
+    t = f"t = {first.waypoints[held.waypoint].t} s{later}"
+    return f"{both} lie {depth:.3g} m inside each other's zone at {t}"
 
 
 def check_inside(swarm: Sequence[VehicleWaypoints], walls: Walls) -> None:
@@ -45,20 +66,23 @@ def check_inside(swarm: Sequence[VehicleWaypoints], walls: Walls) -> None:
             raise InfeasibleError(f"{vehicle.name}, waypoint {at} {where} a wall; {allowed}")
 
 
-def _held_together(swarm: Sequence[VehicleWaypoints]) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-    """Yield (vehicle, waypoint) and each (other vehicle, waypoint) that is held at its time."""
+def _held_together(swarm: Sequence[VehicleWaypoints], most: float) -> Iterator[_Held]:
+    """Yield every waypoint with those of each other vehicle that are at most `most` [s] apart."""
     times = [vehicle.times for vehicle in swarm]
     for i, vehicle in enumerate(swarm):
         for at, waypoint in enumerate(vehicle.waypoints):
             for j, there in enumerate(times):
-                other = _held_at(there, waypoint.t)
-                if j != i and other is not None:
-                    yield (i, at), (j, other)
+                other, gap = _held_at(there, waypoint.t)
+                if j != i and gap <= most:
+                    yield _Held(i, at, j, other, gap)
 
 
-def _held_at(times: Array, t: float) -> int | None:
-    """Return the waypoint, of those at `times`, at which a vehicle is at time t [s], or None."""
+def _held_at(times: Array, t: float) -> tuple[int, float]:
+    """Return the waypoint, of those at `times`, that is nearest to time t [s], and how far it is from it [s].
+
+    A vehicle is at its last waypoint for ever after.
+    """
     if t >= times[-1]:
-        return len(times) - 1
+        return len(times) - 1, 0.0
     near = int(np.abs(times - t).argmin())
-    return near if abs(times[near] - t) < SAME_MOMENT else None
+    return near, float(abs(times[near] - t))
