@@ -20,6 +20,7 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
+from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.zones.altitude_response import altitude_errors
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
@@ -125,19 +126,17 @@ def _distances(axis: Axes, plan: SwarmPlan, pos: Array, zone: Zone) -> None:
 
 
 def _solid(plan: SwarmPlan, pos: Array, zone: Zone) -> Figure:
-    """Draw every vehicle, with the zone around one at the time when a pair is nearest."""
-    pairs = list(combinations(range(pos.shape[1]), 2))
+    """Draw every vehicle, with the zone around one at the time when a pair is nearest by its certificate."""
+    proof = certify(plan, zone)
     figure = plt.figure(figsize=(7, 7))
     space = figure.add_subplot(projection="3d")
     _paths(space, plan.names, pos)
-    if pairs:
-        distances = np.array([zone.signed_distance(pos[:, i] - pos[:, j]) for i, j in pairs])
-        pair, moment = np.unravel_index(distances.argmin(), distances.shape)
-        centre = pos[moment, pairs[pair][1]]
+    if proof.pair and not proof.not_computed:
+        nearest, below = plan.positions(np.array([proof.t]))[0], proof.pair[1]
+        centre = nearest[plan.names.index(below)]
         space.plot_surface(*(_surface(zone) + centre[:, None, None]), color=palette.ZONE, alpha=0.4)
-        space.scatter(*pos[moment].T, color="black", s=12)
-        below = plan.names[pairs[pair][1]]
-        space.set_title(f"vehicles (black) when nearest, t = {moment * TICK:.2f} s, and zone around {below}")
+        space.scatter(*nearest.T, color="black", s=12)
+        space.set_title(f"vehicles (black) when nearest, t = {proof.t:.2f} s, and zone around {below}")
     space.set_aspect("equal")
     return _checked(figure)
 

@@ -5,8 +5,14 @@ import sys
 from pathlib import Path
 
 import pytest
+from mpl_toolkits.mplot3d import Axes3D
+from section_4_1 import SECTION_4_1
 
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.geometry.zone import Cylinder
 from q2q_planner.commands.plan import main
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
+from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.tools import plan_figures
 
 
@@ -51,3 +57,13 @@ def test_figures_that_cannot_be_written_leave_no_document(
     words = ["--no-avoid", "--out", str(tmp_path / "plan.json"), "--figures", str(tmp_path / "figures")]
     assert main([str(crossing), *words, "--json"]) == 1
     assert capsys.readouterr().out == ""
+
+
+def test_the_title_of_the_zone_has_the_time_that_the_certificate_has(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    plan = avoid_zones(SECTION_4_1, Cylinder()).plan
+    titles: list[str] = []
+    monkeypatch.setattr(Axes3D, "set_title", lambda _, title: titles.append(title))
+    plan_figures.draw_all(tmp_path, plan, plan, Cylinder(), PAPER_LAW)
+    assert f"t = {certify(plan, Cylinder()).t:.2f} s" in titles[-1]
