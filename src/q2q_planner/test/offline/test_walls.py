@@ -196,3 +196,17 @@ def test_the_command_says_and_writes_the_proof(tmp_path: Path, capsys: pytest.Ca
     with pytest.raises(SystemExit):
         main([*asked, "--within", *box])
     assert "argument --within: nan; must be a finite number" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("higher", [0.0, 0.02])
+def test_vehicles_that_meet_in_a_corridor_pass_over_each_other(higher: float) -> None:
+    swarm = [
+        VehicleWaypoints("a", (Waypoint(0, (0, 0, 1)), Waypoint(5, (2, 0, 1 + higher)))),
+        VehicleWaypoints("b", (Waypoint(0, (2, 0, 1)), Waypoint(5, (0, 0, 1)))),
+    ]
+    params = AvoidanceParams(within=(-0.1, -0.02, 0.2, 2.1, 0.02, 2.5))
+    found = avoid_zones(swarm, Cylinder(0.1, 0.3), params=params)
+    assert found.certificate.holds
+    assert found.wall_proof is not None
+    assert found.wall_proof.holds
+    assert found.cost < 1.3 * found.infimum

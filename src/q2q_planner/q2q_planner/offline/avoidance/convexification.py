@@ -17,7 +17,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.deviation_space import deform
 from q2q_planner.offline.avoidance.least_deformation import HARD, least_deviations
-from q2q_planner.offline.avoidance.separating_planes import SPACING
+from q2q_planner.offline.avoidance.separating_planes import SPACING, Sides
 from q2q_planner.offline.avoidance.step_planes import watched_samples
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
 from q2q_planner.offline.certificate.certificate import Certificate, certify
@@ -42,8 +42,8 @@ TOO_DEEP = 0.2
 class Start:
     """Starting point of the iteration."""
 
-    side: Array
-    """-1 for pairs whose first deep pass changes sides, (pairs,)."""
+    sides: Sides
+    """Of the first step."""
     plan: SwarmPlan
     """Curves around which the first planes are placed."""
 
@@ -81,8 +81,13 @@ def search(problem: Problem, start: Start) -> Attempt:
         attempt = Attempt(plan, proof, wall_proof, plan_cost(plan), steps)
         if attempt.holds or proof.clearance < -TOO_DEEP * problem.zone.eps:
             break
-        spacing, around, softness = 0.5 * spacing, Start(np.ones_like(start.side), plan), HARD
+        spacing, around, softness = 0.5 * spacing, Start(_kept(start.sides), plan), HARD
     return attempt
+
+
+def _kept(sides: Sides) -> Sides:
+    """Return the sides on which pairs pass already."""
+    return Sides(np.ones_like(sides.sign))
 
 
 def _deformed_plan(problem: Problem, deviations: Array) -> SwarmPlan:
@@ -99,7 +104,7 @@ def _iterate(
 
     Where planes contradict each other deviations may grow without end: those before are returned.
     """
-    side, dual = start.side, np.zeros((problem.rows, len(samples.t)))
+    sides, dual = start.sides, np.zeros((problem.rows, len(samples.t)))
     positions = start.plan.positions(samples.t)
     deviations, cost = np.zeros((len(samples.rows), samples.rows.shape[2], 3)), np.inf
     for step in range(problem.most_steps):
@@ -107,9 +112,9 @@ def _iterate(
         before, cost = cost, problem.infimum + float((deviations**2).sum())
         if abs(before - cost) < STILL * cost and watched.distance >= 0.0:
             return deviations, step
-        at, planes = watched.planes(problem, side)
+        at, planes = watched.planes(problem, sides)
         taken, found = least_deviations(samples, planes, dual[at], softness)
-        positions, side = samples.positions(taken)[:, : len(problem.spaces)], np.ones_like(side)
+        positions, sides = samples.positions(taken)[:, : len(problem.spaces)], _kept(sides)
         if not np.abs(positions).max() < FARTHEST:
             return deviations, step
         deviations, dual[at] = taken, found

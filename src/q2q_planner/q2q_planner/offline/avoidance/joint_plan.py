@@ -9,9 +9,10 @@ collision-free trajectories for a quadrocopter fleet, 2012). Each step deforms t
 planes allow; planes are updated with the curves until convergence (`convexification`). Then `certificate`
 proves the plan.
 
-Starts: the sides on which pairs already pass, to the right if head on; then mirrored; then at random. The
-cheapest certified plan is returned. A plan that is not certified is never returned: InfeasibleError names the
-pair in conflict, its time and depth, or the vehicle that crosses a wall.
+Starts: the sides on which pairs already pass, to the right if head on; then mirrored; then at random;
+within walls, if all fail, over and under each other. The cheapest certified plan is returned. A plan that is
+not certified is never returned: InfeasibleError names the pair in conflict, its time and depth, or the
+vehicle that crosses a wall.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -26,6 +27,7 @@ from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.convexification import Attempt, Start, search
 from q2q_planner.offline.avoidance.deviation_space import deviation_space
+from q2q_planner.offline.avoidance.separating_planes import Sides
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError, check_apart, check_inside
 from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
@@ -84,6 +86,8 @@ def avoid_zones(
     problem = Problem(free, infimum, spaces, hull, search_params.margin, search_params.steps, walls)
     found = [search(problem, start) for start in _starts(problem, search_params, warm)]
     certified = [attempt for attempt in found if attempt.holds]
+    if not certified and walls and warm is None:
+        certified = _over_or_under(problem)
     if not certified:
         raise InfeasibleError(_explanation(found, lambda: _holds_without_walls(problem, search_params, warm)))
     best = min(certified, key=lambda attempt: attempt.cost)
@@ -100,11 +104,18 @@ def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -
             raise ValueError(
                 f"warm start of {', '.join(warm.names)}: expected {', '.join(problem.free.names)}"
             )
-        yield Start(np.ones(pairs), warm)
+        yield Start(Sides(np.ones(pairs)), warm)
         return
     generator = np.random.default_rng(params.seed)
     for start in range(params.initial_guesses):
-        yield Start(_sides(start, pairs, generator), problem.free)
+        yield Start(Sides(_sides(start, pairs, generator)), problem.free)
+
+
+def _over_or_under(problem: Problem) -> list[Attempt]:
+    """Return the certified results of starts in which the first of each pair passes over, or under."""
+    signs = np.ones(len(problem.pairs[0]))
+    tried = (search(problem, Start(Sides(sign * signs, vertical=True), problem.free)) for sign in (1.0, -1.0))
+    return [attempt for attempt in tried if attempt.holds]
 
 
 def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:

@@ -25,6 +25,16 @@ HEAD_ON = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Sides:
+    """Sides on which pairs get their deep passes."""
+
+    sign: Array
+    """-1 where a deep pass changes sides, (pairs,)."""
+    vertical: bool = False
+    """Whether vehicle i passes over j (under, where the sign is -1), in place of beside."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Planes:
     """m half-spaces."""
 
@@ -98,15 +108,17 @@ def _thinned(rel: Array, spacing: float) -> Mask:
     return np.concatenate([[True], count[1:] > count[:-1]])
 
 
-def planes_of(watch: Watch, pairs: tuple[Rows, Rows], zone: ConvexZone, margin: float, side: Array) -> Planes:
-    """Return one plane a watched sample; `side` (pairs,) is -1 where a deep pass changes sides."""
-    normal = _with_common_normals(watch, zone, side)
+def planes_of(
+    watch: Watch, pairs: tuple[Rows, Rows], zone: ConvexZone, margin: float, sides: Sides
+) -> Planes:
+    """Return one plane a watched sample."""
+    normal = _with_common_normals(watch, zone, sides)
     apart = np.maximum(SPACING * zone.eps, 0.5 * np.sqrt((watch.chord**2).sum(-1)))
     level = zone.support(normal) + margin + apart**2 / (8.0 * zone.eps)
     return Planes(pairs[0][watch.pair], pairs[1][watch.pair], watch.sample, normal, level)
 
 
-def _with_common_normals(watch: Watch, zone: ConvexZone, side: Array) -> Array:
+def _with_common_normals(watch: Watch, zone: ConvexZone, sides: Sides) -> Array:
     """Return the normals with those of each deep pass replaced by one across the relative velocity."""
     inside = np.flatnonzero(watch.distance < 0.0)
     if not len(inside):
@@ -115,11 +127,20 @@ def _with_common_normals(watch: Watch, zone: ConvexZone, side: Array) -> Array:
     begins = (np.diff(pair, prepend=-1) != 0) | (np.diff(passing, prepend=-1) != 0)
     deepest = inside[deepest_rows(np.flatnonzero(begins), -watch.distance[inside])]
     run = np.cumsum(begins) - 1
-    across = _across(watch.rel[deepest], watch.chord[deepest]) * side[watch.pair[deepest]][:, None]
+    normals = _upward if sides.vertical else _across
+    across = normals(watch.rel[deepest], watch.chord[deepest]) * sides.sign[watch.pair[deepest]][:, None]
     deep = watch.distance[deepest] < -DEEP * zone.eps
     normal = watch.normal.copy()
     normal[inside[deep[run]]] = across[run[deep[run]]]
     return normal
+
+
+def _upward(_: Array, chord: Array) -> Array:
+    """Return upward units (k, 3) normal to the motion; across it if that is vertical."""
+    square = np.maximum((chord**2).sum(-1, keepdims=True), np.finfo(np.float64).tiny)
+    up = np.array([0.0, 0.0, 1.0]) - chord * chord[:, 2:] / square
+    size = np.sqrt((up**2).sum(-1, keepdims=True))
+    return np.where(size > HEAD_ON, up / np.maximum(size, HEAD_ON), [[1.0, 0.0, 0.0]])
 
 
 def _across(rel: Array, chord: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.near_samples import cut_corners
-from q2q_planner.offline.avoidance.separating_planes import Planes, Watch, planes_of, watch_pairs
+from q2q_planner.offline.avoidance.separating_planes import Planes, Sides, Watch, planes_of, watch_pairs
 from q2q_planner.offline.avoidance.wall_planes import WallWatch, join_planes, wall_planes, watch_walls
 
 
@@ -28,10 +28,10 @@ class WatchedSamples:
         apart = float(self.pairs.distance.min(initial=0.0))
         return apart if self.walls is None else min(apart, self.walls.distance)
 
-    def planes(self, problem: Problem, side: Array) -> tuple[tuple[Rows, Rows], Planes]:
-        """Return (row, sample) of each plane, and the planes; `side` as that of `planes_of`."""
+    def planes(self, problem: Problem, sides: Sides) -> tuple[tuple[Rows, Rows], Planes]:
+        """Return (row, sample) of each plane, and the planes."""
         seen = self.pairs
-        made = planes_of(seen, problem.pairs, problem.zone, problem.margin, side)
+        made = planes_of(seen, problem.pairs, problem.zone, problem.margin, sides)
         if self.walls is None or problem.walls is None:
             return (seen.pair, seen.sample), made
         row = np.concatenate([seen.pair, len(problem.pairs[0]) + self.walls.row])
