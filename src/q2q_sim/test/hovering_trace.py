@@ -12,12 +12,13 @@ def hovering(places: Array, ticks: int = 100) -> FlightTrace:
     """Return `ticks` of vehicles cf1, ... that hover at places (n, 3) [m], world."""
     n = len(places)
     zero = np.zeros((ticks, n))
-    true_pos, sent_pos, state_pos = (np.tile(places, (ticks, 1, 1)) for _ in range(3))
+    true_pos, sent_pos, asked_pos, state_pos = (np.tile(places, (ticks, 1, 1)) for _ in range(4))
     return FlightTrace(
         t=TICK * np.arange(ticks),
         names=tuple(f"cf{k + 1}" for k in range(n)),
         true_pos=true_pos,
         sent_pos=sent_pos,
+        asked_pos=asked_pos,
         seen=np.ones((ticks, n), np.bool_),
         state_pos=state_pos,
         state_age=zero.copy(),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from changed_flights import AROUND, SCENARIO, Change, broken, changed, only, received, with_row
+from hovering_trace import hovering
 
 from q2q_model.signals.values import (
     CommandStatus,
@@ -19,8 +20,11 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import (
     Circumstances,
+    FlightTrace,
+    judge,
     trace_of,
 )
+from q2q_sim.monitors.policies.floor import floor
 from q2q_sim.tools.judge_bags import judge_bag
 
 
@@ -123,3 +127,21 @@ def test_who_is_pushed_down_by_more_than_it_can_hold_is_not_judged_for_it() -> N
         assert not {"floor", "setpoint_error", "zone", "return"} & broken(pushed(held + 0.01), around)
     named = replace(AROUND, faults=(replace(sag, vehicles=("cf2", "cf3")),))
     assert "floor" in broken(pushed(0.95 * vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY), named)
+
+
+def test_setpoints_that_a_replanner_leads_into_the_floor_excuse_no_fall() -> None:
+    """A plan from the floor excuses it, as does one that jumps while the vehicle still stands there."""
+    flight = hovering(np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]))
+    flight.true_pos[50:, 0, 2] = flight.sent_pos[50:, 0, 2] = 0.0
+    limits = AROUND.limits
+
+    def fallen(trace: FlightTrace) -> list[tuple[str, float]]:
+        return [(one.who, one.t) for one in judge(trace, AROUND, {"floor": floor})]
+
+    assert fallen(flight) == [("cf1", pytest.approx(0.5))]
+    lands = flight.asked_pos.copy()
+    lands[45:60, 0, 2] = 0.5 * limits.take_off
+    assert fallen(replace(flight, asked_pos=lands)) == []
+    takes_off = replace(flight, true_pos=flight.true_pos.copy(), sent_pos=flight.sent_pos.copy())
+    takes_off.true_pos[:, 0, 2] = takes_off.sent_pos[:, 0, 2] = 0.0
+    assert fallen(takes_off) == []

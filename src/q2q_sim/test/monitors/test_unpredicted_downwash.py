@@ -31,8 +31,9 @@ def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5))
     downwash[:, 0, 2] = -push
     zero = np.zeros(shape)
     return FlightTrace(
-        t=TICKS, names=("cf1", "cf2"), true_pos=pos, sent_pos=pos.copy(), seen=status == 0.0,
-        state_pos=pos.copy(), state_age=zero, state_status=zero, thrust=zero, roll=zero, pitch=zero,
+        t=TICKS, names=("cf1", "cf2"), true_pos=pos, sent_pos=pos.copy(), asked_pos=pos.copy(),
+        seen=status == 0.0, state_pos=pos.copy(), state_age=zero, state_status=zero,
+        thrust=zero, roll=zero, pitch=zero,
         command_status=status, recorded_at=TICKS, commanded_at={}, live=False, not_finite=(),
         true_downwash=downwash,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Policy on falls: no vehicle with a setpoint above the floor touches it."""
+"""Policy on falls: no vehicle whose setpoint or plan is above the floor touches it."""
 
 from collections.abc import Iterator
 
@@ -26,8 +26,8 @@ def floor(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
 def falls(trace: FlightTrace, circumstances: Circumstances) -> dict[int, list[int]]:
     """Return the ticks at which falls of a vehicle reach the floor, by the row of each that falls.
 
-    Take-off and landing are not falls: there the setpoint itself is near the floor. Nor is it a fall that a
-    command could prevent if the vehicle is uncontrollable (thrust_exceeded, unpredicted_downwash). A vehicle
+    Take-off and landing are not falls: there the plan is near the floor. Nor is it a fall that a command
+    could prevent if the vehicle is uncontrollable (thrust_exceeded, unpredicted_downwash). A vehicle
     that was sent down is exempt where that brought it down (dead_reckoned_descent). One that still lies there
     when its exemption ends has fallen, at the time of the contact.
     """
@@ -47,10 +47,25 @@ def falls(trace: FlightTrace, circumstances: Circumstances) -> dict[int, list[in
 
 
 def touches_floor(trace: FlightTrace, limits: Limits) -> Mask:
-    """Return which vehicles are on the floor though their setpoints are above it, (T, n)."""
+    """Return which vehicles are on the floor though they are sent above it, or were led down, (T, n)."""
     on_floor = trace.true_pos[..., 2] <= limits.floor
     sent_above = trace.sent_pos[..., 2] > limits.take_off
-    return np.asarray(on_floor & sent_above)
+    return np.asarray(on_floor & (sent_above | _is_led_down(trace, limits)))
+
+
+def _is_led_down(trace: FlightTrace, limits: Limits) -> Mask:
+    """Return whose plan has been above the floor ever since they flew last, (T, n).
+
+    Setpoints of a replanner below such a plan excuse no fall. While a vehicle takes off, they may be behind a
+    plan that jumps.
+    """
+    ticks = np.arange(len(trace.t))[:, None]
+    flies = trace.true_pos[..., 2] > limits.take_off
+    asked_above = trace.asked_pos[..., 2] > limits.take_off
+    flown_last, low_last = (
+        np.maximum.accumulate(np.where(found, ticks, -1)) for found in (flies, ~asked_above)
+    )
+    return np.asarray(flown_last > low_last)
 
 
 def _contacts(trace: FlightTrace, row: int, limits: Limits) -> Iterator[Rows]:

@@ -50,6 +50,8 @@ class FlightTrace:
     """[m], (T, n, 3)."""
     sent_pos: Array
     """Setpoints that the controller flew at each tick: reference_safe, else reference [m], (T, n, 3)."""
+    asked_pos: Array
+    """Setpoints of the plan, before any replanner: reference, else reference_safe [m], (T, n, 3)."""
     seen: NDArray[np.bool_]
     """Whether a frame with the tick's stamp has the vehicle, by name or by true position, (T, n)."""
     state_pos: Array
@@ -124,13 +126,15 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
     grid = TickGrid(ticks, names)
     states, commands = Table(grid, topics["state"]), Table(grid, topics["command"])
     true_pos = Table(grid, topics["truth"]).column("pos", 3)
-    sent = topics["reference_safe"] if topics["reference_safe"].signals else topics["reference"]
+    setpoints = [topics[one] for one in ("reference_safe", "reference") if topics[one].signals]
+    sent, asked = (setpoints[0], setpoints[-1]) if setpoints else (topics["reference"], topics["reference"])
     live = bool((np.abs(at["command"] - topics["command"].stamps) > SAME_TICK).any())
     return FlightTrace(
         t=grid.t,
         names=names,
         true_pos=true_pos,
         sent_pos=Table(grid, _at_ticks(sent, topics)).column("pos", 3),
+        asked_pos=Table(grid, _at_ticks(asked, topics)).column("pos", 3),
         seen=_seen(grid, topics["mocap"], true_pos),
         state_pos=states.column("pos", 3),
         state_age=states.column("age", 1),

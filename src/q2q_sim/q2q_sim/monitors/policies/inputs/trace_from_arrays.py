@@ -14,12 +14,13 @@ def trace_from_arrays(flight: Flight) -> FlightTrace:
     states, so the policies state_age, state_error and silence do not apply.
     """
     unknown = np.full(flight.thrust.shape, np.nan)
-    replanned = np.isfinite(flight.safe_pos)
+    replanned, planned = np.isfinite(flight.safe_pos), np.isfinite(flight.ref_pos)
     return FlightTrace(
         t=flight.t,
         names=flight.names,
         true_pos=best_position(flight),
         sent_pos=np.where(replanned, flight.safe_pos, flight.ref_pos),
+        asked_pos=np.where(planned, flight.ref_pos, flight.safe_pos),
         seen=np.asarray(np.isfinite(flight.mocap_pos).all(axis=2)),
         state_pos=flight.pos,
         state_age=unknown,
