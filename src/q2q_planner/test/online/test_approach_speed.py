@@ -66,7 +66,7 @@ def test_the_nearer_of_two_to_its_reference_takes_more_of_a_correction() -> None
     """In the ratio of the shifts, each with SHIFTED; without the rule each takes half."""
     pos = np.array([[0.0, 0.0, 1.0], [0.5, 0.0, 1.0]])
     ref = pos + np.array([[0.0, 0.3, 0.0], [0.0, 0.0, 0.0]])
-    states = BarrierStates(pos, np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]), ref)
+    states = BarrierStates(pos, np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]), ref, np.full(2, -np.inf))
     pairs, wide = Pairs(np.array([0]), np.array([1])), np.zeros((1, 2))
     for shares, ratio in ((True, (0.3 + SHIFTED) / SHIFTED), (False, 1.0)):
         acc = np.zeros((2, 3))

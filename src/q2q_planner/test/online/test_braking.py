@@ -60,7 +60,10 @@ def test_compiled_and_plain_agree(seed: int) -> None:
     for i, j in ((0, 1), (2, 3), (0, 3)):
         assert stays_out(motions, i, j, LAW, 1e-3) == stays_out.py_func(motions, i, j, LAW, 1e-3)
     pairs = Pairs(np.array([0, 0, 1, 2]), np.array([1, 3, 2, 3]))
-    states, wide = BarrierStates(motions.pos, motions.vel, -motions.pos), np.full((4, 2), 0.1)
+    states, wide = (
+        BarrierStates(motions.pos, motions.vel, -motions.pos, np.full(3, -1.0)),
+        np.full((4, 2), 0.1),
+    )
     once, twice = motions.acc.copy(), motions.acc.copy()
     assert np.array_equal(
         filter_accelerations(once, states, pairs, wide, BARRIER),
@@ -130,7 +133,11 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
             turned, pair = bound.copy(), Pairs(np.array([i]), np.array([j]))
             wide = (growth[i] + growth[j])[None, :]
             assert not filter_accelerations(
-                turned, BarrierStates(pos, vel, pos), pair, wide, BARRIER._replace(own=12)
+                turned,
+                BarrierStates(pos, vel, pos, np.full(12, -np.inf)),
+                pair,
+                wide,
+                BARRIER._replace(own=12),
             ).any()
 
 

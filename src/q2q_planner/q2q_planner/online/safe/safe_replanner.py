@@ -3,7 +3,7 @@
 **Promise.** While a vehicle's status is not PROMISE_BROKEN, its modified trajectory stays, at all times, out
 of the zone I(eps, d) of every other trajectory of the swarm and of every external vehicle; so does a vehicle
 that follows its modified trajectory within `tracking`. A trajectory exceeds `acc_max` only where it equals
-the reference, and for `hold` at most after that.
+the reference, and for `hold` at most after that. None is led lower than `height_min` or its reference.
 
 With `tracking_z` the tolerance is a tube, `tracking` wide and `tracking_z` high: the zone and both tubes are
 kept apart. With `jerk_max` every modified trajectory has bounded jerk and acceleration on every axis,

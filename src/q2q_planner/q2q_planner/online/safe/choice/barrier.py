@@ -11,12 +11,15 @@ nearer of two to its reference takes more, so that those far away pass. SWEEPS G
 several pairs at once. The curvature term (tangential speed)^2 / radius accounts for the rotation of n along
 the cylinder's side.
 
-If the references are on opposite sides of each other, a correction perpendicular to n leads around: to the
-side of the reference, or to the right if it is straight behind, which breaks the symmetric tie.
+If the references are on opposite sides of each other, a correction perpendicular to n leads around: along the
+side to that of the reference, or to the right if it is straight behind, which breaks the symmetric tie. Above
+each other, it leads outwards, off the face; where the references are apart horizontally, they lead there.
 
 Downwash disturbs heights and formations hold them, so horizontal corrections are preferred: of all p with
 n.p = need, the one that minimises |p_flat|^2 + p_up^2 / w, where w below 1 is the weight of vertical ones:
 p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). For vehicles above each other, n_flat = 0, it is vertical.
+The vertical acceleration of a vehicle is at least `least`, which keeps it off the floor (`height_bound`).
+What a vehicle there cannot take, the one above it takes; a correction of such a pair leads outwards.
 """
 
 from typing import NamedTuple
@@ -50,6 +53,8 @@ class BarrierStates(NamedTuple):
     """[m/s], (n, 3)."""
     ref: Array
     """Position of the reference [m], (n, 3)."""
+    least: Array
+    """Least vertical acceleration of the swarm's vehicles [m/s^2], (own,)."""
 
 
 class BarrierLaw(NamedTuple):
@@ -121,6 +126,17 @@ def _lead(ref: Array, i: int, j: int, face: Array, reach: float) -> float:
 
 
 @compiled(**HOT)
+def _lead_out(ref: Array, i: int, j: int, face: Array, reach: tuple[float, float]) -> float:
+    """Return the share, within 1, of a correction that leads off the upper or lower face.
+
+    `reach` is the radius and half height that is kept [m].
+    """
+    x, y = ref[i, 0] - ref[j, 0], ref[i, 1] - ref[j, 1]
+    over = max(0.0, 1.0 - np.sqrt(x * x + y * y) / reach[0])
+    return float(over * min(1.0, max(0.0, -(ref[i, 2] - ref[j, 2]) * face[_UP] / reach[1])))
+
+
+@compiled(**HOT)
 def _shift(states: BarrierStates, row: int) -> float:
     """Return the distance of a vehicle from its reference [m], and SHIFTED."""
     x, y = states.pos[row, 0] - states.ref[row, 0], states.pos[row, 1] - states.ref[row, 1]
@@ -129,10 +145,19 @@ def _shift(states: BarrierStates, row: int) -> float:
 
 
 @compiled(**HOT)
-def _share(states: BarrierStates, i: int, j: int, law: BarrierLaw) -> float:
-    """Return the share of a correction that vehicle i takes: all where j is external."""
-    if j >= law.own:
+def _stuck(acc: Array, states: BarrierStates, pair: tuple[int, int], up: float, law: BarrierLaw) -> int:
+    """Return the lower of a pair, by the sign of `up`, if it may not accelerate further down, else -1."""
+    low = pair[0] if up < 0.0 else pair[1]
+    return low if low < law.own and acc[low, 2] <= states.least[low] else -1
+
+
+@compiled(**HOT)
+def _share(states: BarrierStates, i: int, j: int, stuck: int, law: BarrierLaw) -> float:
+    """Return the share of a correction that i takes: all where j is external, none where i is stuck."""
+    if j >= law.own or stuck == j:
         return 1.0
+    if stuck == i:
+        return 0.0
     if not law.shares:
         return 0.5
     first, second = _shift(states, i), _shift(states, j)
@@ -163,13 +188,21 @@ def filter_accelerations(
             need = _violation(acc, i, j, required[pair], face)
             if not need > 0.0:
                 continue
-            lead = face[_FLAT] * law.around * need * _lead(states.ref, i, j, face, law.eps + wide[pair, 0])
+            reach = law.eps + wide[pair, 0], law.d + wide[pair, 0]
+            lead = face[_FLAT] * law.around * need * _lead(states.ref, i, j, face, reach[0])
+            out, stuck = 0.0, -1
+            if face[_UP] != 0.0:
+                stuck = _stuck(acc, states, (i, j), face[_UP], law)
+                around = law.around * _lead_out(states.ref, i, j, face, reach)
+                out = need * (around if stuck < 0 else abs(face[_UP]))
             size = need / (face[_FLAT] * face[_FLAT] + law.height * face[_UP] * face[_UP])
-            share = _share(states, i, j, law)
+            flat = size * face[_FLAT] + out
+            share = _share(states, i, j, stuck, law)
             for vehicle, sign in ((i, share), (j, share - 1.0)):
                 if vehicle < law.own:
-                    acc[vehicle, 0] += sign * (size * face[_FLAT] * face[_X] - lead * face[_Y])
-                    acc[vehicle, 1] += sign * (size * face[_FLAT] * face[_Y] + lead * face[_X])
-                    acc[vehicle, 2] += sign * size * law.height * face[_UP]
+                    acc[vehicle, 0] += sign * (flat * face[_X] - lead * face[_Y])
+                    acc[vehicle, 1] += sign * (flat * face[_Y] + lead * face[_X])
+                    climb = acc[vehicle, 2] + sign * size * law.height * face[_UP]
+                    acc[vehicle, 2] = max(climb, states.least[vehicle])
                     pushed[vehicle] = True
     return pushed

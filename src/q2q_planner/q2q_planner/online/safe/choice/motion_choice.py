@@ -1,11 +1,11 @@
 """Choice, for every vehicle, of a motion that is proven against the motions of all others.
 
-Every vehicle has a new motion and the rest of its old one. Who would be too fast on the new one begins with
-the old one. If a pair of new motions fails, one of the two vehicles returns to its old motion, taking turns,
-and if that does not suffice, so does the other. Old motions were proven against each other, so this ends with
-all pairs proven. They are checked again nevertheless: if
-even they fail, which requires a broken condition of the promise, both vehicles are BROKEN and fly the new
-motion, which at least pushes them apart.
+Every vehicle has a new motion and the rest of its old one. Who would be too fast or too low on the new one
+begins with the old one. If a pair of new motions fails, one of the two vehicles returns to its old motion,
+taking turns, and if that does not suffice, so does the other. Old motions were proven against each other, so
+this ends with all pairs proven. They are checked again nevertheless: if even they fail,
+which requires a broken condition of the promise, both vehicles are BROKEN and fly the new motion, which at
+least pushes them apart.
 
 Rows from `own` on are external vehicles, whose motion cannot be chosen. A new motion is proven against every
 motion that an external vehicle may fly. An old one was; once the two are `proven`, it is checked only against
@@ -25,7 +25,7 @@ from q2q_planner.online.safe.choice.candidate_motions import (
     new_motions,
     old_motions,
 )
-from q2q_planner.online.safe.choice.desired_motion import FLOOR, TOO_FAST, DesiredMotion, Kinds
+from q2q_planner.online.safe.choice.desired_motion import FLOOR, OUT_OF_BOUNDS, DesiredMotion, Kinds
 from q2q_planner.online.safe.motion.committed_motion import MotionRows
 from q2q_planner.online.safe.motion.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
@@ -167,7 +167,7 @@ def choose_motions(candidates: CandidateMotions, pairs: Pairs, proven: Proven, r
     choice = np.full(new.hold.size, NEW, np.int8)
     selection = _Selection(starts, rests, chosen, choice, np.zeros(choice.size, np.intp), proven)
     for row in range(kind.size):
-        if kind[row] == TOO_FAST:
+        if kind[row] == OUT_OF_BOUNDS:
             _take(selection, rests, row, OLD)
     near = near_pairs(starts, rests, pairs, rule.law)
     checked = np.full(near.size, -1, np.intp)
@@ -181,7 +181,7 @@ def choose_motions(candidates: CandidateMotions, pairs: Pairs, proven: Proven, r
 def choices_alone(kind: Kinds) -> Choices:
     """Return the choices of vehicles in no pair, (n,), by the `kind` of their new motions, (n,)."""
     choice = np.full(kind.size, NEW, np.int8)
-    choice[kind == TOO_FAST] = OLD
+    choice[kind == OUT_OF_BOUNDS] = OLD
     return choice
 
 

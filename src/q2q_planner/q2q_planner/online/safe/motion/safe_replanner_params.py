@@ -87,6 +87,14 @@ class SafeReplannerParams:
         low=0.0,
         high=1000.0,
     )
+    # the vertical tube of 0.17 m for alpha = 1 % (docs/promise.md), and legs of 0.02 m
+    height_min: float = tunable(
+        0.2,
+        "height below which a vehicle is not led away from its reference, unless the reference is lower",
+        unit="m",
+        low=-100.0,
+        high=100.0,
+    )
     drift: float = tunable(
         0.2,
         "speed at which a vehicle that is not tracked is assumed to leave its trajectory",

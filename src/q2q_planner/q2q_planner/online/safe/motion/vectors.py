@@ -22,3 +22,16 @@ def norm(vector: Array) -> float:
 def distance(some: Array, other: Array, row: int) -> float:
     """Return the distance of one row of two arrays (n, 3)."""
     return length(some[row, 0] - other[row, 0], some[row, 1] - other[row, 1], some[row, 2] - other[row, 2])
+
+
+@compiled
+def share_within(vector: Array, most: float) -> float:
+    """Return the share of a vector, (3,), up to the norm `most`: at most 1."""
+    size = norm(vector)
+    return float(most / size) if size > most else 1.0
+
+
+@compiled
+def limit_row(vectors: Array, row: int, most: float) -> None:
+    """Shorten a row of vectors (n, 3) to the norm `most`."""
+    vectors[row] *= share_within(vectors[row], most)

@@ -129,6 +129,15 @@ def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 
 @compiled(**HOT)
+def stopped_height(start: Axis, jerk: float, hold: float, law: BrakingLaw) -> float:
+    """Return where an axis rests [m] that holds a jerk [m/s^3] for `hold` [s] and then stops."""
+    held = _held(start, jerk, hold)
+    sign, first, even, last = _stop_phases(held[1], held[2], law)
+    motion = AxisMotion(start, jerk, hold, held, sign, first, even, last)
+    return _stopped(motion, first + even + last, law)[0]
+
+
+@compiled(**HOT)
 def axes_of(stopping: StoppingMotions, row: int) -> ThreeAxisMotion:
     """Return x, y and z of the motion of a row."""
     return _axis_motion(stopping, row, 0), _axis_motion(stopping, row, 1), _axis_motion(stopping, row, 2)
