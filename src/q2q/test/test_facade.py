@@ -130,3 +130,10 @@ def test_a_plan_that_a_vehicle_cannot_fly_is_refused(around: str | None):
     }
     with pytest.raises(ValueError, match=r"cf1, after waypoint 0 .* tilts by 0\.5\d+ rad, but controllers"):
         q2q.plan(hasty, around=around)
+
+
+def test_the_terms_of_a_learned_air_are_replaced_through_its_exported_type() -> None:
+    air = q2q.load_air("room", without=("residual",))
+    assert isinstance(air, q2q.RoomAir)
+    assert (replace(air, jet=None).jet, air.residual) == (None, None)
+    assert not isinstance(q2q.load_air("measured"), q2q.RoomAir)
