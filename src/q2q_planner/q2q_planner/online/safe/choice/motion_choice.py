@@ -3,9 +3,9 @@
 Every vehicle has a new motion and the rest of its old one. Who would be too fast or too low on the new one
 begins with the old one. If a pair of new motions fails, one of the two vehicles returns to its old motion,
 taking turns, and if that does not suffice, so does the other. Old motions were proven against each other, so
-this ends with all pairs proven. They are checked again nevertheless: if even they fail,
-which requires a broken condition of the promise, both vehicles are BROKEN and fly the new motion, which at
-least pushes them apart.
+this ends with all pairs proven. They are checked again nevertheless: if even they fail, which requires a
+broken condition of the promise, both vehicles are BROKEN and fly the new motion, which at least pushes them
+apart.
 
 Rows from `own` on are external vehicles, whose motion cannot be chosen. A new motion is proven against every
 motion that an external vehicle may fly. An old one was; once the two are `proven`, it is checked only against

@@ -13,7 +13,7 @@ def rest_height(motions: Motions, row: int, law: BrakingLaw) -> float:
     z, hold = motions.pos[row, 2], motions.hold[row]
     if law.jerk > 0.0:
         start = z, motions.vel[row, 2], motions.acc[row, 2]
-        return min(z, stopped_height(start, motions.jerk[row, 2], hold, law))
+        return float(min(z, stopped_height(start, motions.jerk[row, 2], hold, law)))
     vel, acc = motions.vel, motions.acc
     fall = vel[row, 2] + acc[row, 2] * hold
     x, y = vel[row, 0] + acc[row, 0] * hold, vel[row, 1] + acc[row, 1] * hold
