@@ -7,8 +7,9 @@
 
 With `pace:=live` the flight begins at once, even if other nodes have not discovered this one, and vehicles
 that receive no command for 2 s lock their motors. To let it wait until the nodes of the control loop are
-ready and connected, give `-p starts_after:="[mocap_filter, interference, trajectory, replanner, pid]"`. Or
-give `autostart:=false`, and call `~/start` once they run.
+ready and connected, and a command has come, give
+`-p starts_after:="[mocap_filter, interference, trajectory, replanner, pid]"`. Or give `autostart:=false`,
+and call `~/start` once they run.
 
 In one process with the controller (`q2q_sim.ros.stack`), lockstep runs 20 ticks (BURST) at a time; between
 them the other callbacks of the process run.

@@ -2,7 +2,9 @@
 
 In lockstep the command of a tick starts the next one; without it, the time-outs of `ResendTimer` apply. In
 live flight, and with the vehicles' own firmware, ticks follow every 10 ms, and the newest command is flown:
-one that comes after the next frame is late, its tick missed, and it is flown if none newer comes.
+one that comes after the next frame is late, its tick missed, and it is flown if none newer comes. A live
+flight that starts after other nodes (`starts_after`) begins once any command has come after its first frame:
+of a controller that is sending already, DDS may deliver nothing until the next heartbeat, 3 s later.
 """
 
 from collections.abc import Callable
@@ -26,8 +28,17 @@ from q2q_sim.simulator.locked_motors import LockedMotors
 from q2q_sim.simulator.resend_timer import ResendTimer
 from q2q_sim.simulator.simulator_params import SimulatorParams
 
+FIRST_AGAIN_S, FIRST_TIMEOUT_S = 0.1, 10.0
+"""Live, after other nodes: period of the first frame, and time after which the flight begins anyway [s]:
+three heartbeats of DDS, of which one may be lost."""
 STALL_CHECK_S = 0.05
 """Period of the check for stalled ticks in lockstep [s]."""
+
+
+_NEVER_HEARD = (
+    f"no command within {FIRST_TIMEOUT_S:g} s of the first frame: the flight begins without: check that "
+    "`starts_after` names all nodes of the control loop"
+)
 
 
 class RoomFlight:
@@ -62,6 +73,11 @@ class RoomFlight:
             f"no command in {params.command_timeout_s:g} s (`command_timeout_s`): the vehicles fly without "
             f"one, a tick every {params.resend_period_s:g} s"
         )
+        self._is_heard = False
+        """Whether a command has come since the first frame."""
+        self._first: ResendTimer | None = None
+        if params.pace == "live" and params.starts_after and firmware is None:
+            self._first = ResendTimer(FIRST_AGAIN_S, FIRST_TIMEOUT_S)
         self._locks = LockedMotors()
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
@@ -141,6 +157,7 @@ class RoomFlight:
             return self._refused(refusal)
         self.conflicts.take(stamp_ns, offered)
         if self._tick is not None:
+            self._is_heard = True
             self._stamps.take(stamp_ns, self._tick.frame_stamp_ns)
         if command is None or self._tick is None or (self._lockstep and self._command is not None):
             return NOTHING
@@ -154,12 +171,22 @@ class RoomFlight:
         """Return the next tick; in lockstep, only once the tick is given up, else its frame if it is due."""
         if self._tick is None:
             return self._first_tick() if self._started else NOTHING
+        if self._first is not None:
+            return self._await_first_command(self._first, self._tick)
         if not self._lockstep:
             return self._advance()
         now, is_first = self._wall_clock(), not self._resend.has_given_up
         if self._resend.poll_expiry(now):
             return replace(self._advance(), gave_up=self._give_up_warning if is_first else "")
         return Output((_frame(self._tick),)) if self._resend.poll_resend(now) else NOTHING
+
+    def _await_first_command(self, timer: ResendTimer, tick: Tick) -> Output:
+        """Return the next tick once a command has come or the first is given up, else its frame if due."""
+        now = self._wall_clock()
+        if not self._is_heard and not timer.poll_expiry(now):
+            return Output((_frame(tick),)) if timer.poll_resend(now) else NOTHING
+        self._first = None
+        return replace(self._advance(), gave_up="" if self._is_heard else _NEVER_HEARD)
 
     def _advance(self) -> Output:
         self.health.ticks += 1
@@ -195,7 +222,10 @@ class RoomFlight:
         return Output(refusal=str(refusal))
 
     def _first_tick(self) -> Output:
-        self.clock.start(self._wall_clock())
+        now = self._wall_clock()
+        self.clock.start(now)
+        if self._first is not None:
+            self._first.begin(now)
         return self._next_tick()
 
     def _next_tick(self, refusal: str = "") -> Output:

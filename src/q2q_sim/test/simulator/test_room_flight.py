@@ -11,7 +11,7 @@ from q2q_model.signals.stamps import TICK_NS
 from q2q_model.signals.values import MocapFrame, SwarmCommand
 from q2q_sim.loop.room import Room
 from q2q_sim.simulator.flight_output import NOTHING, Output
-from q2q_sim.simulator.room_flight import RoomFlight
+from q2q_sim.simulator.room_flight import FIRST_TIMEOUT_S, RoomFlight
 from q2q_sim.simulator.simulator_params import SimulatorParams, chosen_scenario
 
 PARAMS = SimulatorParams(resend_period_s=1.0, command_timeout_s=3.0)
@@ -162,6 +162,31 @@ def test_live_the_timer_advances_the_room_with_the_command_that_arrived() -> Non
     timing = flown.on_timer().timing
     assert timing is not None
     assert timing.real_time_factor == pytest.approx(1.0)  # from the first tick on
+
+
+def test_live_after_other_nodes_the_first_frame_waits_for_a_command() -> None:
+    """DDS may deliver nothing to a new reader for seconds; commands of the flight before count, too."""
+    wall = Wall()
+    flown = flight(wall, replace(PARAMS, pace="live", starts_after=("pid",)))
+    flown.start()
+    assert topics(flown.on_timer())[0] == "mocap"
+    for now, sent in ((0.05, []), (0.11, ["mocap"]), (0.16, []), (0.22, ["mocap"])):
+        wall.now = now
+        assert topics(flown.on_timer()) == sent
+    assert flown.health.ticks == 0
+    flown.receive(encode(command(0.3), 500 * TICK_NS))
+    assert flown.on_timer().clock_ns == TICK_NS
+    assert flown.on_timer().clock_ns == 2 * TICK_NS
+
+
+def test_live_after_other_nodes_the_flight_begins_at_last_without_a_command() -> None:
+    wall = Wall()
+    flown = flight(wall, replace(PARAMS, pace="live", starts_after=("pid",)))
+    flown.start()
+    flown.on_timer()
+    wall.now = FIRST_TIMEOUT_S
+    assert flown.on_timer().gave_up.startswith("no command within 10 s of the first frame: ")
+    assert flown.on_timer().gave_up == ""
 
 
 def test_live_vehicles_that_no_command_reached_for_2_s_are_reported_as_locked_until_one_without_thrust() -> (
