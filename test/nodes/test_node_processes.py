@@ -61,6 +61,8 @@ import os, signal
 from time import monotonic
 from q2q_model.ros.node.run import run
 
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # as in a terminal, where a test under nohup ignores it
+
 def build(node):
     calls = []
     def take_longer_than_the_period():

@@ -91,6 +91,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/gains/altitude_record.py",
     "q2q_model/identification/gains/flown_pieces.py",
     "q2q_model/identification/gains/gain_agreement.py",
+    "q2q_model/identification/gains/gain_equation.py",
     "q2q_model/identification/gains/huber_regression.py",
     "q2q_model/identification/gains/velocity_limit.py",
     "q2q_model/identification/jet/held_out_deviation.py",

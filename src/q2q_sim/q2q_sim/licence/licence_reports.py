@@ -10,9 +10,9 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import Json
 from q2q_model.documents.written_file import write_text
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.licence.finding_lines import finding_lines
 from q2q_sim.licence.licence_flights import Licence
 from q2q_sim.licence.room.licence_log import LicenceLog
+from q2q_sim.licence.rules.finding_lines import finding_lines
 from q2q_sim.licence.trial_processes import FlownTrial
 from q2q_sim.replay_page import ReplayRun, replay_element
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, ProgramOutput, page

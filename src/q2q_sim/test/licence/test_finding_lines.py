@@ -1,7 +1,7 @@
 """The page of a licence has a line for each finding, and says a reason that several share once."""
 
-from q2q_sim.licence.finding_lines import finding_lines
 from q2q_sim.licence.rules.broken_rule import BrokenRule
+from q2q_sim.licence.rules.finding_lines import finding_lines
 
 FAILED = "the program failed (RuntimeError: boom, line 11), which closed the link"
 

@@ -128,10 +128,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
             f"{counted(flights, 'flight')}, at references with rates; must be at least {FEWEST_ROWS}: "
             "record the topics command and reference, or fit the gains to trajectories"
         )
-    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, SHARES, OFFSET]
-    for term in (SHARES, REF_ACC, REF_VEL, FEED_FORWARD, INTEGRAL, OFFSET):
-        if not _is_needed(system, terms, term):
-            terms.remove(term)
+    terms = _needed_terms(system)
     design = design_of(system, terms)
     value, weight = huber_fit(design, system.target)
     residual = system.target - design @ value
@@ -144,7 +141,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     loop = AltitudeLoop(
         k_p=found[K_P].value,
         k_d=found[K_D].value,
-        k_i=found[INTEGRAL].value if INTEGRAL in found else 0.0,
+        k_i=_value(found, INTEGRAL),
         offset=float(value[after:].mean()) if OFFSET in terms else 0.0,
     )
     return GainFit(
@@ -155,12 +152,23 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         needs_integral=INTEGRAL in terms,
         rms=robust_deviation(residual),
         compensated=_shares(records, found, added),
-        of_rates=(
-            found[REF_VEL].value if REF_VEL in found else 0.0,
-            found[REF_ACC].value if REF_ACC in found else 0.0,
-        ),
+        of_rates=(_value(found, REF_VEL), _value(found, REF_ACC)),
         limited=1.0 - system.target.size / whole.target.size,
     )
+
+
+def _needed_terms(system: GainEquation) -> list[int]:
+    """Return the terms without those whose coefficients are not significant."""
+    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, SHARES, OFFSET]
+    for term in (SHARES, REF_ACC, REF_VEL, FEED_FORWARD, INTEGRAL, OFFSET):
+        if not _is_needed(system, terms, term):
+            terms.remove(term)
+    return terms
+
+
+def _value(found: Mapping[int, Interval], term: int) -> float:
+    """Return the coefficient of a term, 0 if it is not needed."""
+    return found[term].value if term in found else 0.0
 
 
 def _rows(system: GainEquation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:
