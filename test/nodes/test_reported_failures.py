@@ -6,7 +6,6 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
@@ -14,7 +13,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from room_node import RoomNode, Writer
 from std_srvs.srv import Empty
 
-from q2q_control.ros import guarded_commands, pid_node
+from q2q_control.ros import pid_node
 from q2q_model.diagnostics.health import Health, HealthReport, Level, health_report
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
@@ -82,22 +81,6 @@ def test_an_emergency_before_the_first_tick_is_reported_as_well() -> None:
     node, wiring = controller()
     emergency(node)
     assert (node.lines, graded(wiring).summary) == ([CUT], CUT)
-
-
-def test_a_live_controller_flies_degraded_while_no_downwash_has_ever_come(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    wall = [0.0]
-    monkeypatch.setattr(guarded_commands, "monotonic", lambda: wall[0])
-    node, _ = controller(aware=True, live=True)
-    for k in range(5):
-        wall[0] = 0.01 * k
-        fly(node, wall[0], wall[0] + 0.01)
-        (check,) = [act for period, act in node.timers if period == TICK_S]
-        check()
-    commands = [decode(one, SwarmCommand) for one in node.published["command"]]
-    assert [one.t for one in commands] == pytest.approx([0.03, 0.04])
-    assert {*np.concatenate([one.status for one in commands])} == {CommandStatus.DEGRADED}
 
 
 def test_a_lost_vehicle_is_reported_phase_by_phase_and_its_cut_is_an_error() -> None:

@@ -5,7 +5,6 @@
 | downwash or reference for hold_after_s, while states come | the controller's, for a hover at the setpoint |
 | states, for hold_after_s | the guard's fallback by age: hold, level, land, cut |
 | newer stamps: frames are repeated | the same fallback |
-| downwash, for hold_after_s after the first state and reference of one stamp | a hover at that reference |
 
 The first two take hold_after_s and one timer period (30 + 10 ms), well within the firmware's watchdog
 (500 ms). Times are arguments: a test or a replay has its own clock.
@@ -29,11 +28,6 @@ class InputDeadline:
         self._setpoint: SwarmSetpoint | None = None
         self._stamp = -np.inf
         self._at = -np.inf
-
-    def await_first_tick(self, state: SwarmState | None, setpoint: SwarmSetpoint, now: float) -> None:
-        """Take the first setpoint that has the stamp of the newest state, received at wall time now [s]."""
-        if self._setpoint is None and state is not None and state.t == setpoint.t:
-            self._at, self._setpoint = now, setpoint
 
     def answered(self, setpoint: SwarmSetpoint, now: float) -> None:
         """Record that the tick of a setpoint was computed at wall time now [s], unless it is left out."""

@@ -81,7 +81,6 @@ class GuardedCommands:
             node.create_subscription(DiagnosticStatus, topic, self._follow, LATCHED)
         if self._deadline is not None:
             wiring.listen("state", self._store_state)
-            wiring.listen("reference_safe", self._await_first_tick)
             steady_timer(node, TICK_S, self._check)
 
     def reset(self) -> None:
@@ -119,10 +118,6 @@ class GuardedCommands:
     def _store_state(self, _: int, state: Signal) -> None:
         if isinstance(state, SwarmState):
             self._state = state
-
-    def _await_first_tick(self, _: int, setpoint: Signal) -> None:
-        if self._deadline is not None and isinstance(setpoint, SwarmSetpoint):
-            self._deadline.await_first_tick(self._state, setpoint, monotonic())
 
     def _count(self, _: int, command: SwarmCommand) -> None:
         fallen = int(command.status.max(initial=0)) > SATURATED

@@ -43,23 +43,6 @@ def test_a_reference_that_stays_away_leaves_a_vehicle_hovering_where_it_was_sent
     assert again.t == 0.13  # the next state is taken at once
 
 
-def test_a_downwash_that_never_comes_leaves_a_vehicle_hovering_at_its_first_reference() -> None:
-    deadline = InputDeadline(guarded(), PARAMS)
-    deadline.await_first_tick(None, setpoint_at(0.0), now=100.0)  # no state yet
-    deadline.await_first_tick(state_at(0.0), setpoint_at(0.01), now=100.0)  # no tick: another stamp
-    assert deadline.due(state_at(0.0), now=100.05) is None
-    deadline.await_first_tick(state_at(0.02), setpoint_at(0.02), now=100.06)
-    deadline.await_first_tick(state_at(0.03), setpoint_at(0.03, x=50.0), now=100.07)
-    assert deadline.due(state_at(0.04), now=100.089) is None
-    command = deadline.due(state_at(0.05), now=100.091)
-    assert command is not None
-    assert (command.t, command.status.tolist()) == (0.05, [DEGRADED] * 2)
-    assert command.pitch[0] == pytest.approx(4.0 * 0.1 / 9.81, rel=0.02)  # k_p_xy x error over g
-    again = deadline.due(state_at(0.06), now=100.101)
-    assert again is not None
-    assert (again.t, again.status.tolist()) == (0.06, [DEGRADED] * 2)
-
-
 def test_a_hover_in_place_of_a_reference_is_degraded_even_at_the_limits() -> None:
     guard = guarded()
     deadline = InputDeadline(guard, PARAMS)
