@@ -21,7 +21,7 @@ from q2q_model.ros.node.publisher_conflicts import TopicConflict
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.cdr.cdr_writer import encode
-from q2q_model.signals.stamps import TICK_S, stamp_from_time
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, MocapFrame, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory import plan_file
 from q2q_planner.ros import trajectory_node

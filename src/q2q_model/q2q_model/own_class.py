@@ -23,15 +23,15 @@ def own_class(name: str) -> type[object]:
     Raises:
         OwnClassError: the name has another form, the module cannot be imported, or has no such class.
     """
-    if not is_own_class(name):
-        raise OwnClassError("is no name of a class: give module:Class")
     module, _, wanted = name.partition(":")
+    if not module or not wanted or "/" in name:
+        raise OwnClassError("is no name of a class: give module:Class")
     try:
         found = getattr(_imported(module), wanted, None)
     except (Exception, SystemExit) as error:
         raise OwnClassError(
             f"{module} cannot be imported ({error_line(error)}); give a module of this folder, {Path.cwd()}, "
-            "or an installed one (a set-up from wheels drops PYTHONPATH)"
+            "or an installed one (PYTHONPATH is not searched where the set-up installed ROS)"
         ) from error
     if not isinstance(found, type):
         raise OwnClassError(f"{module} has no class {wanted}")

@@ -29,8 +29,9 @@ A flight is refused
 - if the server does not subscribe to `poses_out` with a `poses_qos_deadline` (in its server.yaml) of 100 Hz,
   the default, or less.
 
-If the node is ended in flight (SIGINT, SIGTERM), it stops the setpoints, lets the server land the vehicles
-where they are, and waits until they are down, for the duration of the landing and `step_timeout_s` at most.
+If the node is ended in flight (SIGINT, SIGTERM, SIGHUP), it stops the setpoints, lets the server land the
+vehicles where they are, and waits until they are down, for the duration of the landing and `step_timeout_s`
+at most.
 The server must keep running until then: without it the vehicles fall 2 s after the last setpoint.
 
 With `--dry-run` calls are checked and answered, but not executed: vehicles do not arm, take off, follow

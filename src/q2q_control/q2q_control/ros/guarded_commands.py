@@ -54,9 +54,7 @@ class GuardedCommands:
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._deadline = InputDeadline(self._guard, params) if live else None
         self._state: SwarmState | None = None
-        self._flown: tuple[SwarmState, SwarmSetpoint, Names] | None = (
-            None  # of the last tick, and whom it commands
-        )
+        self._flown: tuple[SwarmState, SwarmSetpoint, Names] | None = None  # the last tick and its vehicles
         self._far = FarSetpointMonitor()
         self._changes = PhaseChanges()
         self._hand_overs = HandOvers()
@@ -96,6 +94,8 @@ class GuardedCommands:
         self._end_absent_procedures()
         if self._hand_overs.update(status.name, status.message):
             self._guard.begin_flight()
+            if self._deadline is not None:  # a setpoint of before, as on the ground, is no place to hover
+                self._deadline = InputDeadline(self._guard, self._deadline.params)
 
     def _end_absent_procedures(self) -> None:
         publishing = publishers_of(self._node, STATUS_TOPIC)

@@ -2,7 +2,7 @@
 
 The parameter `controller` names a class with the methods of `q2q.Controller`, which is made with the vehicle
 type as its only argument. If it has a method `sense`, it also gets `imu`. Its module is one of the current
-folder or an installed one; a set-up from wheels drops PYTHONPATH:
+folder or an installed one; PYTHONPATH is not searched where the set-up installed ROS:
 `--ros-args -p controller:=my_module:MyController`. See docs/tutorials/own_controller.md.
 
 The class is tried on a few ticks before the flight. When it raises an error in flight, or returns a command

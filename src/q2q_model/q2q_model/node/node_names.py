@@ -5,7 +5,11 @@ from collections.abc import Iterable
 UNKNOWN_NAME = "_NODE_NAME_UNKNOWN_"
 """Name of a node that is being discovered, or has left while its publishers still count (rmw_fastrtps)."""
 
+NAMELESS = "one whose name is not known"
+
 
 def full_node_names(nodes: Iterable[tuple[str, str]]) -> list[str]:
-    """Return the full names of nodes given by namespace and name, sorted, without those that are unknown."""
-    return sorted(f"{namespace}/{name}".strip("/") for namespace, name in nodes if name != UNKNOWN_NAME)
+    """Return the full names of nodes given by namespace and name, sorted; NAMELESS for those without one."""
+    return sorted(
+        NAMELESS if name == UNKNOWN_NAME else f"{namespace}/{name}".strip("/") for namespace, name in nodes
+    )

@@ -13,7 +13,7 @@ class CommandGate:
 
     def __init__(self, names: Names, *, exact: bool = True) -> None:
         """Take the vehicles; `exact` accepts only the awaited tick's commands, else all newer ones."""
-        self._names = names
+        self._names, self._known = names, frozenset(names)
         self._exact = exact
         self._stamp_ns = 0
         self._done_ns: dict[str, int] = {}
@@ -41,7 +41,7 @@ class CommandGate:
         """
         if self._exact and command.names == self._names:
             return command if stamp_ns == self._stamp_ns else None
-        known = {name: row for row, name in enumerate(command.names) if name in self._names}
+        known = {name: row for row, name in enumerate(command.names) if name in self._known}
         if command.names and not known:
             raise ValueError(unknown_vehicles(command.names, self._names))
         rows = {name: row for name, row in known.items() if self._accepts(name, stamp_ns)}
@@ -75,7 +75,7 @@ def joined_command(names: Names, commands: Sequence[SwarmCommand]) -> SwarmComma
 
 def unknown_vehicles(commanded: Names, names: Names) -> str:
     """Return which commanded vehicles do not exist, and which do; empty if all exist."""
-    unknown = [name for name in commanded if name not in names]
+    unknown = sorted(set(commanded).difference(names))
     return (
         f"command for unknown vehicle {listed(unknown)}; the vehicles are {listed(names)}" if unknown else ""
     )

@@ -39,6 +39,10 @@ BEFORE_FAILSAFE_CUT = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LA
 RECENT_S = 0.5
 """Time before the end of a landing over which the cause is looked for [s]: LAND begins 1 s after a loss."""
 
+MOVING = 0.3
+"""Least share of ticks with a new position of a vehicle that is measured, at half the ticks or more often."""
+FAILSAFE = " on the failsafe's commands, although it was measured"
+
 
 def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Finding]:
     """Yield the vehicles sent down or not measured to the end; `stamps` are all of a recording [s], (K,)."""
@@ -48,9 +52,14 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
         status = trace.command_status[:, row]
         given = np.isfinite(status)
         t, commands = trace.t[given], status[given]
-        never = is_whole and _is_without_feedback(commands) and not _is_measured(trace, row)
+        never = is_whole and _is_without_feedback(commands)
         if never:
-            yield Finding(float(trace.t[0]), f"{name} was never measured")
+            how = (
+                f"flew{FAILSAFE}, from the first command on"
+                if _is_measured(trace, row)
+                else "was never measured"
+            )
+            yield Finding(float(trace.t[0]), f"{name} {how}")
         cause = " by an emergency stop" if _is_emergency_stop(t, commands) else ""
         ends = {
             f"{name}'s motors were cut{cause}": status == CommandStatus.CUT,
@@ -68,16 +77,15 @@ def sent_down(trace: FlightTrace, limits: Limits, stamps: Array) -> Iterator[Fin
 def _without_what(trace: FlightTrace, row: int, at: float) -> str:
     """Return in words how a vehicle was landed, from what was measured just before a time [s]."""
     measured = _is_measured(trace, row, at - RECENT_S, at)
-    return " on the failsafe's commands, although measured," if measured else " without measurements"
+    return f"{FAILSAFE}," if measured else " without measurements"
 
 
 def _is_measured(trace: FlightTrace, row: int, begin: float = -np.inf, end: float = np.inf) -> bool:
-    """Return whether the filtered position of a vehicle changes in most ticks of a time [s]."""
+    """Return whether the filtered position of a vehicle changes often enough in a time [s] (MOVING)."""
     known = np.flatnonzero(np.isfinite(trace.state_pos[:, row]).all(axis=1))
-    pos, changes = trace.state_pos[known, row], np.zeros(len(trace.t))
-    changes[known[1:]] = (pos[1:] != pos[:-1]).any(axis=1)
-    within = changes[(trace.t > begin) & (trace.t <= end)]
-    return bool(within.sum() > 0.5 * len(within))
+    pos, t = trace.state_pos[known, row], trace.t[known]
+    changes = (pos[1:] != pos[:-1]).any(axis=1)[(t[1:] > begin) & (t[1:] <= end)]
+    return bool(changes.sum() > MOVING * len(changes))
 
 
 def _is_without_feedback(status: Array) -> bool:

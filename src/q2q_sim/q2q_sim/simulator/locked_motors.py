@@ -28,8 +28,9 @@ class LockedMotors:
             return f"{listed(locked)}: {_LOCKED}: no command has come: {_TOO_EARLY}"
         unnamed = tuple(name for name in locked if name not in self._commanded)
         named = tuple(name for name in locked if name in self._commanded)
+        late = f"restart this node for another flight; if commands came too late, {_TOO_EARLY}"
         found = (
             f"no command names {listed(unnamed)}: check that the plan and the controller's `vehicles` do",
-            f"{listed(named)}: {_LOCKED}: restart this node for another flight",
+            f"{listed(named)}: {_LOCKED}: {late}",
         )
         return "; ".join(text for text, names in zip(found, (unnamed, named), strict=True) if names)

@@ -61,7 +61,7 @@ def _with_measured_cf2(flight: Flight, until: float) -> Flight:
 
 @pytest.mark.parametrize(
     ("lost_at", "how"),
-    [(20.0, "on the failsafe's commands, although measured,"), (7.0, "without measurements")],
+    [(20.0, "on the failsafe's commands, although it was measured,"), (7.0, "without measurements")],
 )
 def test_a_measured_vehicle_that_the_failsafe_lands_did_not_lack_measurements(
     lost_at: float, how: str
@@ -82,7 +82,7 @@ def test_a_measured_vehicle_whose_controller_always_fails_was_measured() -> None
     status[:, 1] = CommandStatus.LEVEL
     assert output(_with_measured_cf2(flown(status=status), 2.0)) == "cf2 was never measured"
     status[T >= 1.0, 1] = CommandStatus.LAND
-    said = "cf2 flew on the failsafe's commands, although measured, from 0.0 s to the end"
+    said = "cf2 flew on the failsafe's commands, although it was measured, from the first command on"
     assert output(_with_measured_cf2(flown(status=status), 20.0)) == said
 
 

@@ -205,9 +205,12 @@ def test_live_vehicles_that_no_command_reached_for_2_s_are_reported_as_locked_un
     locked = (
         f"{names}: motors locked (at the start, or after 2 s without a command) until a command has no thrust"
     )
-    remedy = 'no command has come: start the simulator with -p starts_after:="[mocap_filter, pid]"'
-    before = f"{locked}: {remedy}, the nodes to wait for, or with autostart:=false and call ~/start"
-    after = f"{locked}: restart this node for another flight"
+    remedy = (
+        'start the simulator with -p starts_after:="[mocap_filter, pid]", the nodes to wait for, or with '
+        "autostart:=false and call ~/start"
+    )
+    before = f"{locked}: no command has come: {remedy}"
+    after = f"{locked}: restart this node for another flight; if commands came too late, {remedy}"
     assert {tick for tick, text in locks.items() if text == before} == set(range(202, 221))
     assert {tick for tick, text in locks.items() if text == after} == set(range(221, 251))
     assert set(locks.values()) == {"", before, after}

@@ -6,14 +6,14 @@ from rclpy.node import Node
 
 from q2q_model.counted import listed
 from q2q_model.diagnostics.health import Health
-from q2q_model.node.node_names import full_node_names
+from q2q_model.node.node_names import NAMELESS, full_node_names
 from q2q_model.ros.node.diagnostics_publisher import MOST_WARNINGS
 
 
 def publishers_of(node: Node, topic: str) -> list[str]:
     """Return the names of the nodes that publish a topic, with their namespaces, sorted.
 
-    One that is being discovered, or has left, has no name yet or any more, and is left out.
+    One that is being discovered, or has left, has no name yet or any more (NAMELESS).
     """
     found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
     return full_node_names((one.node_namespace, one.node_name) for one in found)
@@ -33,7 +33,8 @@ class TopicConflict:
         if self._node.count_publishers(resolved) <= 1:
             return ""
         writers = publishers_of(self._node, self.topic)
-        namesakes, too_many = len({*writers}) < len(writers), len(writers) > self._most
+        named = [writer for writer in writers if writer != NAMELESS]
+        namesakes, too_many = len({*named}) < len(named), len(writers) > self._most
         if not (namesakes or too_many):
             return ""
         may = f"{self._most} may" if too_many else "each needs its own name and vehicles"
