@@ -50,6 +50,10 @@ def spread_work(
     raise ValueError(f"unknown engine {workers.engine!r}: choose one of {', '.join(ENGINES)}")
 
 
+class _NotBegunError(Exception):
+    """Error of a process alone that ended before it began its work."""
+
+
 def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
     for begin in range(0, len(numbers), jobs * RECYCLE):
         yield from _by_pools(work, numbers[begin : begin + jobs * RECYCLE], jobs, died)
@@ -61,8 +65,23 @@ def _by_pools(work: Work[Result], left: Sequence[int], jobs: int, died: Died[Res
         left = yield from _by_pool(work, left, jobs)
         suspects, left = left[:jobs], left[jobs:]
         for number in suspects:
-            if (yield from _by_pool(work, [number], 1)):
+            if (yield from _alone(work, number)):
                 yield died(number)
+
+
+def _alone(work: Work[Result], number: int) -> Generator[Result, None, Sequence[int]]:
+    """Yield the result of a process of its own; return the number if that died at its work.
+
+    A process that ends before it begins, as one that is killed for its memory, is replaced once.
+    """
+    try:
+        return (yield from _by_pool(work, [number], 1))
+    except _NotBegunError:
+        pass
+    try:
+        return (yield from _by_pool(work, [number], 1))
+    except _NotBegunError as again:
+        raise RuntimeError(NO_START) from again
 
 
 def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int) -> Generator[Result, None, Sequence[int]]:
@@ -78,7 +97,7 @@ def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int) -> Generator
     except BrokenProcessPool as broken:
         # of several processes one may die at its work before another has begun; one alone begins first
         if jobs == 1 and began.exception() is not None:
-            raise RuntimeError(NO_START) from broken
+            raise _NotBegunError from broken
     finally:
         # a pool that is not waited for may be collected before it cancels, and then does all that is left
         pool.shutdown(wait=True, cancel_futures=True)

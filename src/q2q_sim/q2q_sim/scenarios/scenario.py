@@ -71,7 +71,7 @@ class Scenario:
             TypeError: the duration is no number.
             ValueError: a value is not allowed.
         """
-        if not isinstance(self.duration, Real):
+        if isinstance(self.duration, bool) or not isinstance(self.duration, Real):
             raise TypeError(f"duration = {self.duration!r}; must be a number of seconds")
         if not SHORTEST <= self.duration <= LONGEST:
             raise ValueError(f"duration = {self.duration}; must be in [{SHORTEST}, {LONGEST}] s")

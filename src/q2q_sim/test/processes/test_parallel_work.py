@@ -32,6 +32,30 @@ from q2q_sim.processes.parallel_work import Workers, spread_work
 print(list(spread_work(Workers("local", 2), abs, [-1, -2, -3], lambda number: "died")))
 """
 """Script that each of its processes would run again."""
+KILLED_AT_START = """
+import os
+import signal
+import sys
+from pathlib import Path
+
+from q2q_sim.processes.parallel_work import Workers, spread_work
+
+starts = Path(sys.argv[1])
+if __name__ != "__main__":
+    with starts.open("a") as file:
+        file.write("x")
+    if starts.stat().st_size == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+def work(number):
+    if number == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+if __name__ == "__main__":
+    print(sorted(spread_work(Workers("local", 2), work, range(6), lambda number: -9)))
+"""
+"""Guarded script of which the third process is killed while it imports it: the first one alone."""
 
 
 def test_after_an_interruption_no_process_works_on() -> None:
@@ -64,6 +88,14 @@ def test_a_script_that_its_processes_cannot_import_is_told_so(by_file: bool, tmp
     ended = subprocess.run(command, input=given, capture_output=True, text=True, timeout=60, check=False)
     assert (ended.returncode, ended.stdout) == (1, "")
     assert f"RuntimeError: {parallel_work.NO_START}" in ended.stderr.splitlines()
+
+
+def test_a_process_that_is_killed_before_it_begins_is_replaced(tmp_path: Path) -> None:
+    script = tmp_path / "guarded.py"
+    script.write_text(KILLED_AT_START)
+    command = [sys.executable, str(script), str(tmp_path / "starts")]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert ended.stdout == "[-9, 1, 2, 3, 4, 5]\n", ended.stderr
 
 
 def test_an_error_of_work_is_raised_as_it_is_by_one_process(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,8 +9,8 @@ most SPARED of it is left. Of these causes one is named before others
 3. whose share is larger.
 
 If the loss takes none of its causes, the one with the largest share is named, unless the rest, which is lost
-without any of them, is larger: then most of what is lost has another reason than any cause. A cause without a
-positive share is never first, nor is one of no loss.
+without any of them, is larger than all their shares together: then most of it has another reason. A cause
+without a positive share is never first, nor is one of no loss.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -50,7 +50,7 @@ def first_cause(
     faulty = _causes_with_faults(setup, loss)
     usual = {WIND} if _gusts(setup) <= ORDINARY_GUSTS else set()
     return max(
-        taken or [cause for cause in lossy if shares[cause] >= rest],
+        taken or (lossy if sum(shares[cause] for cause in lossy) >= rest else ()),
         key=lambda cause: (cause in faulty, cause not in usual, shares[cause]) if taken else shares[cause],
         default=None,
     )
