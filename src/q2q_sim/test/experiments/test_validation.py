@@ -1,6 +1,7 @@
 """A flight validates in its own air and not in another one."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from q2q_sim.experiments.validation.validated_flight import (
     validate_flight,
     validation_sentence,
 )
+from q2q_sim.experiments.validation.validation_page import write_page
 from q2q_sim.experiments.validation.validation_replay import longest_under_wake, replayed_runs
 from q2q_sim.plant.body.state_row import VEL
 
@@ -72,6 +74,12 @@ def test_a_flight_without_a_wake_has_clear_air_only(own: ValidatedFlight) -> Non
         "z_rms_recorded_m": None,
     }
     assert str(text["verdict"]).startswith("No row under another vehicle was compared")
+
+
+def test_notes_are_on_the_page_and_in_the_numbers(own: ValidatedFlight, tmp_path: Path) -> None:
+    note = f"{own.flight.name}: a flight of this name is in the fit"
+    assert as_json([own], notes=[note])["notes"] == [note]
+    assert note in write_page([own], [], "room", tmp_path, [note]).read_text(encoding="utf-8")
 
 
 def test_a_flight_whose_law_cannot_be_read_is_left_out_and_the_others_are_compared(

@@ -40,17 +40,18 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     tracked, single = _flyable(recordings, vehicle)
     known = air if isinstance(air, RoomAir) else RoomAir()
     in_fit = fit_remarks((one.flight for one in recordings), known.flights, known.digests)
-    remarks = [f"{name}: {remark}" for name, remark in in_fit.items()]
-    for note in remarks + log_column_notes(recordings, vehicle):
+    notes = [f"{name}: {remark}" for name, remark in in_fit.items()] + log_column_notes(recordings, vehicle)
+    for note in notes:
         _say(note)
     done = _all_flown(tracked, air, vehicle, args.draws, only=len(recordings) == 1)
     if not done and not single:
         raise ValueError(f"none of the {len(recordings)} flights can be flown again")
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
+    notes += [note for one in done for note in _flight_notes(one)]
     if args.json:
-        write_json(as_json(done, alone, tuple(in_fit)), args.json)
+        write_json(as_json(done, alone, tuple(in_fit), notes), args.json)
     if args.out:
-        print(f"page: {write_page(done, alone, Path(args.air).name, args.out)}")
+        print(f"page: {write_page(done, alone, Path(args.air).name, args.out, notes)}")
     if alone:
         print(_line("all alone, height", comparison([one.vertical for one in alone])))
         print(_line("all alone, x and y", comparison([one.lateral for one in alone])))
@@ -108,23 +109,24 @@ def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: in
 def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -> ValidatedFlight:
     make = draws_in(air, flight, vehicle)
     one = validate_flight(flight, vehicle_of_room(air, vehicle), make, range(draws))
-    for note in _wake_notes(flight, has_wake=one.has_wake):
+    for note in _flight_notes(one):
         _say(note)
     print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))
     return one
 
 
-def _wake_notes(flight: TrackedFlight, *, has_wake: bool) -> list[str]:
+def _flight_notes(one: ValidatedFlight) -> list[str]:
     """Return which vehicles under another are not compared, and whether clear air alone is."""
+    flight = one.flight
     under = flight.exposed.any(axis=0)
-    few = [name for name, one in zip(flight.names, under & ~flight.scored, strict=True) if one]
+    few = [name for name, left in zip(flight.names, under & ~flight.scored, strict=True) if left]
     notes = [
         f"{flight.name}: {name} is not compared, as it has fewer than {FEWEST_FREE} rows in clear air"
         for name in few
     ]
     if not under.any():
         return [f"{flight.name} has no row under another vehicle: only its clear air is compared"]
-    return notes if has_wake else [*notes, f"{flight.name}: only clear air is compared"]
+    return notes if one.has_wake else [*notes, f"{flight.name}: only clear air is compared"]
 
 
 def _line(name: str, one: Comparison) -> str:

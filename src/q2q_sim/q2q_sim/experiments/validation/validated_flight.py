@@ -93,7 +93,10 @@ def is_told_apart(numbers: Comparison) -> bool:
 
 
 def as_json(
-    flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = (), in_fit: Names = ()
+    flights: Sequence[ValidatedFlight],
+    alone: Sequence[ComparedAlone] = (),
+    in_fit: Names = (),
+    notes: Sequence[str] = (),
 ) -> dict[str, object]:
     """Return the numbers of all flights and pooled ones; None where nothing was compared.
 
@@ -101,6 +104,7 @@ def as_json(
         flights: flights of several vehicles.
         alone: flights of one vehicle.
         in_fit: names of the flights that the air was learned from, or may have been.
+        notes: what is said of the flights.
     """
     return {
         "flights": {
@@ -119,6 +123,7 @@ def as_json(
             },
             "pooled": _alone_json(alone),
         },
+        "notes": list(notes),
         "verdict": validation_sentence(pooled_comparison(flights)),
     }
 

@@ -44,6 +44,10 @@ NOTES = (
     "recorded; the spectrum is the largest difference of power in an octave band from 0.2 to 10 Hz; the band "
     "is the one that holds 95 % of a further draw."
 )
+TARGETS = (
+    f"Targets under a wake: rms ratio {RMS_RATIO[0]} to {RMS_RATIO[1]}, spectrum within "
+    f"{SPECTRUM_DB:.0f} dB, {COVERAGE[0]:.0%} to {COVERAGE[1]:.0%} of the recorded samples in the band."
+)
 ALONE_NOTES = (
     "Flights of one vehicle whose log has setpoints but no thrust commands: flown again along the setpoints "
     "by the emulated firmware's position PID, from the recorded first state."
@@ -51,15 +55,15 @@ ALONE_NOTES = (
 
 
 def write_page(
-    flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone], air: str, out: Path
+    flights: Sequence[ValidatedFlight],
+    alone: Sequence[ComparedAlone],
+    air: str,
+    out: Path,
+    notes: Sequence[str] = (),
 ) -> Path:
-    """Draw the pictures into a folder and write the page there; return its path."""
+    """Draw the pictures into a folder and write the page there, with notes; return its path."""
     under = [part for one in flights for part in one.under]
     clear = [part for one in flights for part in one.clear]
-    targets = (
-        f"Targets under a wake: rms ratio {RMS_RATIO[0]} to {RMS_RATIO[1]}, spectrum within "
-        f"{SPECTRUM_DB:.0f} dB, {COVERAGE[0]:.0%} to {COVERAGE[1]:.0%} of the recorded samples in the band."
-    )
     spectra = [
         Picture(save(spectrum_figure(parts, title), out / f"spectrum_{name}.png"), f"All flights, {title}")
         for name, title, parts in (("wake", "under a wake", under), ("clear", "in clear air", clear))
@@ -73,8 +77,9 @@ def write_page(
     whole = pooled_comparison(flights)
     parts: list[Part] = [
         PageVerdict(validation_sentence(whole), whole.n == 0 or not is_told_apart(whole)),
+        *notes,
         *_replay(flights),
-        targets,
+        TARGETS,
         *_table("Under a wake", [(one.flight.name, comparison(one.under)) for one in flights], under),
         *([_interval_text(flight_intervals([one.under for one in flights]))] if flights else []),
         *_table("In clear air", [(one.flight.name, comparison(one.clear)) for one in flights], clear),
