@@ -15,3 +15,5 @@ class Recording:
     """At the ticks and vehicles of the flight."""
     filtered: bool = False
     """Whether no states were recorded, and those of the flight are of the mocap filter."""
+    model: str = ""
+    """Interaction model of the controller, by name or path; empty where unknown."""

@@ -1,9 +1,18 @@
 """Recording of one file: a bag or a table (Parquet, CSV), with filtered states; the files in folders."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from q2q_model.bag import BagError, TopicMap, is_bag, read_flight, read_flight_log, read_mapped_flight
+from q2q_model.bag import (
+    BagError,
+    TopicMap,
+    is_bag,
+    read_facts,
+    read_flight,
+    read_flight_log,
+    read_mapped_flight,
+)
 from q2q_model.bag.log_topic import LOG_TYPE, has_log
 from q2q_model.bag.storage.errors import warn_of_repairs
 from q2q_model.flights.flight import Flight
@@ -77,7 +86,7 @@ def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
         own = log_at(log, flight.t, flight.names) if log else None
     except ValueError as misfit:
         raise BagError(f"bag {bag}: {misfit}") from misfit
-    return _recording(flight, own)
+    return replace(_recording(flight, own), model=read_facts(bag).model)
 
 
 def flight_of_bag(bag: Path, topics: TopicMap | None = None) -> Flight:

@@ -7,6 +7,10 @@
 a flight gives the gains and one vertical constant of each vehicle. On the recorded flights it leaves 0.003 to
 0.008 m/s^2 in swaps and 0.02 in random walks, and the gains are the same round numbers in all flights of a
 family. Lateral gains enter |f| by the tilt only, so typical ones stand in where a flight says little.
+Recorded commands of the attitude determine them: f_xy / f_z is the tilt that is commanded.
+
+A controller may ignore the downwash that is predicted for it: the law has eta_ff or not, whichever leaves the
+smaller residuals. With the wrong one they are 1.3 to 50 times as large on the recorded flights.
 
 The offset c contains errors of the thrust and what the integral had learned before the first row. It is the
 one that balances the recorded motion in clear air: the mean of r'' minus all other terms.
@@ -74,6 +78,8 @@ class RecordedLaw:
     """Standard deviation of the residual of T / m, from the median [m/s^2]."""
     attitude: AttitudeParams = LOOP
     """Attitude loop of the plant that tilts as the recorded vehicles did."""
+    compensates: bool = False
+    """Whether eta_ff is subtracted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +100,7 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
             law.
     """
     limited = at_velocity_limit(flight.ref_vel) | flight.stepped[..., None]  # (T, n, 3)
-    law = _regression(flight, limited, vehicle.mass)
+    flight, law = _compensating(flight, limited, vehicle.mass)
     known = _known(flight, law)  # (T, n, 3)
     attitude = _attitude(flight, known, _steady(flight, limited), vehicle.thrust_lag)
     check_stable(flight.name, replace(law, attitude=attitude), vehicle.thrust_lag, float(flight.t[-1]))
@@ -146,8 +152,66 @@ def _known(flight: TrackedFlight, law: RecordedLaw) -> Array:
     return np.asarray(feedback(law, *_errors(flight)) - flight.compensated[..., None] * UP)
 
 
-def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> RecordedLaw:
-    """Return the gains, with offsets of zero."""
+def _compensating(flight: TrackedFlight, limited: Mask, mass: float) -> tuple[TrackedFlight, RecordedLaw]:
+    """Return the law that explains the commands better, with eta_ff or without, and the flight by it."""
+    flown = [flight]
+    if flight.compensated.any():
+        flown.append(replace(flight, compensated=np.zeros_like(flight.compensated), model=None))
+    fits = [(_regression(one, limited, mass), one) for one in flown]
+    (law, _), best = min(fits, key=lambda fit: fit[0][1])
+    return best, replace(law, compensates=bool(best.compensated.any()))
+
+
+@dataclass(frozen=True, slots=True)
+class _ForceRows:
+    """Rows of the regression of gains of x, y and z, 6, and vertical constants, n: parameters x (6 + n,)."""
+
+    errors: Array
+    """e, e' and xi, (3, k, 3)."""
+    plain: Array
+    """a_ref + g e_z - eta_ff e_z [m/s^2], (k, 3)."""
+    own: Mask
+    """Vehicle of each row, (k, n)."""
+    wanted: Array
+    """T / m [m/s^2], (k,)."""
+    tilt: Array
+    """Commanded f_xy / f_z, (k, 2), (0, 2) where it was not recorded."""
+
+    def force(self, x: Array) -> Array:
+        """Return f [m/s^2], (k, 3)."""
+        gains = np.stack([x[3:6], x[3:6], x[:3]], axis=1)  # K_p, K_d, K_i of x, y and z
+        feed = np.einsum("gj,gkj->kj", gains, self.errors) + (self.own @ x[6:])[:, None] * UP
+        return np.asarray(self.plain + feed)
+
+    def missed(self, x: Array) -> Array:
+        """Return |f| - T / m, and f_xy - f_z tilt, [m/s^2], (k,) or (3 k,)."""
+        force = self.force(x)
+        aside = force[: len(self.tilt), :2] - force[: len(self.tilt), 2:] * self.tilt
+        return np.concatenate([np.linalg.norm(force, axis=1) - self.wanted, *aside.T])
+
+    def slopes(self, x: Array) -> Array:
+        """Return the derivatives of `missed` by x, one row for each."""
+        axis = self.force(x) / np.linalg.norm(self.force(x), axis=1, keepdims=True)
+        rows, along = len(self.tilt), self._along(axis)
+        aside = (
+            [
+                self._along(np.array([*one, 0.0]) - self.tilt[:, k, None] * UP)
+                for k, one in enumerate(np.eye(2))
+            ]
+            if rows
+            else []
+        )
+        return np.vstack([along, *aside])
+
+    def _along(self, axis: Array) -> Array:
+        """Return the derivatives of the force along axes (k, 3) by x, (k, 6 + n)."""
+        along = axis * self.errors  # (3, k, 3)
+        vertical, lateral = along[..., 2].T, along[..., :2].sum(axis=-1).T
+        return np.column_stack([vertical, lateral, axis[:, 2:] * self.own])
+
+
+def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> tuple[RecordedLaw, float]:
+    """Return the gains, with offsets of zero, and the loss of their residuals [-]."""
     commanded = flight.usable & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
     rows, seconds = commanded & flight.sure, commanded.sum() * flight.dt
     if seconds < LEAST_S or rows.sum() < FEWEST_SAMPLES or limited.any(axis=-1).all(axis=0).any():
@@ -156,32 +220,27 @@ def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> RecordedLa
             f"{rows.sum()} samples of references with rates in them; the gains of its controllers need "
             f"{LEAST_S:g} s, {FEWEST_SAMPLES} samples, and rates of each vehicle"
         )
-    errors = np.stack([error[rows] for error in _errors(flight)])  # (3, k, 3)
-    plain = (flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows]  # (k, 3)
-    wanted = flight.thrust[rows] / mass
-    own = np.nonzero(rows)[1][:, None] == np.arange(len(flight.names))  # (k, n)
+    system = _ForceRows(
+        errors=np.stack([error[rows] for error in _errors(flight)]),
+        plain=(flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows],
+        own=np.nonzero(rows)[1][:, None] == np.arange(len(flight.names)),
+        wanted=flight.thrust[rows] / mass,
+        tilt=np.zeros((0, 2)) if flight.tilt is None else flight.tilt[rows],
+    )
     weight = ROW_ERROR * np.sqrt(ROWS_TOGETHER) / TYPICAL_SPREAD
     prior = np.zeros((3, 6 + len(flight.names)))
     prior[:, 3:6] = np.diag(weight / TYPICAL)
-
-    def force(x: Array) -> Array:
-        gains = np.stack([x[3:6], x[3:6], x[:3]], axis=1)  # K_p, K_d, K_i of x, y and z
-        return np.asarray(plain + np.einsum("gj,gkj->kj", gains, errors) + (own @ x[6:])[:, None] * UP)
-
-    def missed(x: Array) -> Array:
-        return np.append(np.linalg.norm(force(x), axis=1) - wanted, prior @ x - weight)
-
-    def slopes(x: Array) -> Array:
-        axis = force(x) / np.linalg.norm(force(x), axis=1, keepdims=True)
-        along = axis * errors  # (3, k, 3)
-        vertical, lateral = along[..., 2].T, along[..., :2].sum(axis=-1).T
-        return np.vstack([np.column_stack([vertical, lateral, axis[:, 2:] * own]), prior])
-
-    start = np.concatenate([TYPICAL, TYPICAL, np.zeros(len(flight.names))])
-    found = least_squares(missed, start, jac=slopes, loss="soft_l1", f_scale=ROW_ERROR).x
-    k_p, k_d, k_i = (np.array([xy, xy, z]) for xy, z in zip(found[3:6], found[:3], strict=True))
-    rms = 1.4826 * float(np.median(np.abs(missed(found)[:-3])))
-    return RecordedLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), rms)
+    found = least_squares(
+        lambda x: np.append(system.missed(x), prior @ x - weight),
+        np.concatenate([TYPICAL, TYPICAL, np.zeros(len(flight.names))]),
+        jac=lambda x: np.vstack([system.slopes(x), prior]),
+        loss="soft_l1",
+        f_scale=ROW_ERROR,
+    )
+    x = found.x
+    k_p, k_d, k_i = (np.array([xy, xy, z]) for xy, z in zip(x[3:6], x[:3], strict=True))
+    rms = 1.4826 * float(np.median(np.abs(system.missed(x)[: rows.sum()])))
+    return RecordedLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), rms), float(found.cost)
 
 
 def _errors(flight: TrackedFlight) -> tuple[Array, Array, Array]:

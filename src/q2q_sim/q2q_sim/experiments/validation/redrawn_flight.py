@@ -2,7 +2,8 @@
 
 Each draw starts from the recorded first state and follows the recorded references at the recorded rate. The
 controller reads the true state with the noise of the recorded estimate (estimate_noise), without delay. The
-vehicles feel the drag of their rotors (rotor_drag).
+downwash that it expects follows from this state by its interaction model; without one it is that recorded.
+The vehicles feel the drag of their rotors (rotor_drag).
 """
 
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.geometry.rotations import UP, yaw_from_quat
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
@@ -17,6 +19,7 @@ from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.estimate_noise import estimate_noise
 from q2q_sim.experiments.validation.recorded_law import ReadFlight, feedback
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_state
 from q2q_sim.plant.body.state_row import POS, QUAT, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 
@@ -49,7 +52,8 @@ def redraw_flight(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence
         draw.swarm.state[:, VEL] = flight.vel[0]
         draw.swarm.use_attitude_loop(law.attitude)
     noise = [np.stack(parts) for parts in zip(*(estimate_noise(flight, seed) for seed in seeds), strict=True)]
-    ahead = flight.ref_acc + law.offset - flight.compensated[..., None] * UP
+    ahead = flight.ref_acc + law.offset
+    expected = _ExpectedDownwash(flight, len(draws))
     steps = round(PHYSICS_RATE * flight.dt)
     integral = np.zeros((len(draws), n, 3))
     seen = Draws(*(np.empty((len(draws), ticks, n, *width)) for width in ((3,), (3,), (4,), ())))
@@ -59,6 +63,7 @@ def redraw_flight(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence
         error = flight.ref_pos[k] - pos
         integral += flight.dt * error
         acc = ahead[k] + feedback(law, error, flight.ref_vel[k] - vel, integral)
+        acc -= expected.update(k, pos, vel, quat)[..., None] * UP
         command = _command(acc, yaw, mass)
         drag = drag_acceleration(read.drag, state[..., VEL], quat)
         for draw, one, slowed in zip(draws, command, drag, strict=True):
@@ -68,6 +73,23 @@ def redraw_flight(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence
         seen.pos[:, k], seen.vel[:, k], seen.quat[:, k] = pos, vel, quat
         seen.thrust[:, k] = command[..., 0]
     return seen
+
+
+class _ExpectedDownwash:
+    """Downwash that the controllers of all draws expect."""
+
+    def __init__(self, flight: TrackedFlight, draws: int) -> None:
+        self._flight, model = flight, flight.model
+        self._predictors = [] if model is None else [InteractionPredictor(model) for _ in range(draws)]
+
+    def update(self, k: int, pos: Array, vel: Array, quat: Array) -> Array:
+        """Return it in row k [m/s^2], along z, (draws, n), or as recorded, (n,), for states (draws, n, 3)."""
+        if not self._predictors:
+            return np.asarray(self._flight.compensated[k])
+        t, names = k * self._flight.dt, self._flight.names
+        states = [tracked_state(t, names, *one) for one in zip(pos, vel, quat, strict=True)]
+        acc = [each.update(state).acc for each, state in zip(self._predictors, states, strict=True)]
+        return np.stack(acc)[..., 2]
 
 
 def _command(acc: Array, yaw: Array, mass: float) -> Array:

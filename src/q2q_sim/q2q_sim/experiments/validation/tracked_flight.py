@@ -8,21 +8,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference, setpoint_positions
-from q2q_model.geometry.rotations import UP, normalised, rotate
+from q2q_model.geometry.rotations import UP, normalised, quat_from_euler, rotate, yaw_from_quat
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.recordings.flight_recording import Recording
-from q2q_model.signals.values import Array, Mask, Names, Rows
+from q2q_model.signals.values import TRACKED, Array, Mask, Names, Rows, SwarmState
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.records.air_record import air_records
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 
 SHORTEST = 5.0
 """Shortest flight that is compared [s]: one period of the slowest frequency, 0.2 Hz."""
+PREDICTED = 0.1
+"""Largest rms difference of a model's prediction from the recorded one, over the latter [-]: that of the very
+model differs only where states were lost; a model that was refined in flight, or changed since, by more."""
 NEAR = 0.9
 """Farthest row that counts as recorded at a time [periods]: stamps jitter; next to a lost row it is 1."""
 
@@ -65,6 +72,10 @@ class TrackedFlight:
     """Rows at samples of the reference whose rates were recorded or are those of a smooth motion, (T, n)."""
     stepped: Mask
     """Rows whose nearest sample of the reference has no such rates, as at a step, (T, n)."""
+    tilt: Array | None = None
+    """Commanded x and y of body z over its z, world, (T, n, 2); None where attitudes were not recorded."""
+    model: InteractionModel | None = None
+    """Model whose prediction `compensated` is; None where it is not known."""
     headroom: Array | None = None
     """Largest thrust of each rotor over that at hover, at the start, (n, 4); None without a motor log."""
 
@@ -99,6 +110,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
     grid = flying_grid(flight)
     nearest, there = _nearest_rows(flight.t, grid)
     reference = flown_reference(flight)
+    compensated = _compensated(flight, recording.log, vehicle.mass)
     return TrackedFlight(
         name=flight.name,
         names=flight.names,
@@ -111,13 +123,15 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         ref_acc=resample(flight.t, reference.acc, grid),
         acc=resample(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
         thrust=resample(flight.t, flight.thrust, grid),
-        compensated=resample(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
+        compensated=resample(flight.t, compensated, grid),
         usable=usable[nearest] & there[:, None],
         exposed=exposed[nearest] & there[:, None],
         free=free[nearest] & there[:, None],
         scored=np.asarray(free.sum(axis=0) >= FEWEST_FREE),
         sure=reference.sure[nearest] & there[:, None],
         stepped=_stepped(reference, flight.t, grid),
+        tilt=_commanded_tilt(flight, grid),
+        model=_predicting_model(recording, compensated),
         headroom=recorded_headroom(recording, vehicle),
     )
 
@@ -153,6 +167,36 @@ def _compensated(flight: Flight, log: FlightLog | None, mass: float) -> Array:
     if log is not None and "fa_ff" in log.columns:
         return np.nan_to_num(log.column("fa_ff") / mass)
     return np.nan_to_num(flight.eta[..., 2])
+
+
+def _commanded_tilt(flight: Flight, grid: Array) -> Array | None:
+    """Return x and y of the commanded body z over its z, world, (T, n, 2); None without such commands."""
+    axis = rotate(quat_from_euler(flight.roll, flight.pitch, yaw_from_quat(flight.quat)), UP)
+    tilt = axis[..., :2] / axis[..., 2:]
+    return resample(flight.t, tilt, grid) if np.isfinite(tilt).any(axis=(0, 2)).all() else None
+
+
+def _predicting_model(recording: Recording, compensated: Array) -> InteractionModel | None:
+    """Return the model that a recording names, if it predicts this downwash (T, n) of the recorded states."""
+    flight, recorded = recording.flight, np.linalg.norm(compensated)
+    if not recording.model or recorded == 0.0:
+        return None
+    try:
+        model = find_model(recording.model).interaction
+    except ModelFileError:  # a file of another machine, or since deleted
+        return None
+    predictor = InteractionPredictor(model)
+    rows = zip(flight.t.tolist(), flight.pos, flight.vel, flight.quat, strict=True)
+    states = (tracked_state(t, flight.names, pos, vel, quat) for t, pos, vel, quat in rows)
+    predicted = np.stack([predictor.update(state).acc[:, 2] for state in states])  # (T, n)
+    missed = np.where(compensated != 0.0, predicted - compensated, 0.0)
+    return model if np.linalg.norm(missed) <= PREDICTED * recorded else None
+
+
+def tracked_state(t: float, names: Names, pos: Array, vel: Array, quat: Array) -> SwarmState:
+    """Return the state of vehicles that are all tracked, at time t [s]."""
+    n = len(names)
+    return SwarmState(t, names, pos, vel, quat, np.zeros((n, 3)), np.zeros(n), np.full(n, TRACKED, np.uint8))
 
 
 def flying_grid(flight: Flight) -> Array:

@@ -116,7 +116,7 @@ def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -
 
 
 def _flight_notes(one: ValidatedFlight) -> list[str]:
-    """Return which vehicles under another are not compared, and whether clear air alone is."""
+    """Return what of a flight is not compared, or not flown again."""
     flight = one.flight
     under = flight.exposed.any(axis=0)
     few = [name for name, left in zip(flight.names, under & ~flight.scored, strict=True) if left]
@@ -124,6 +124,11 @@ def _flight_notes(one: ValidatedFlight) -> list[str]:
         f"{flight.name}: {name} is not compared, as it has fewer than {FEWEST_FREE} rows in clear air"
         for name in few
     ]
+    if one.law.compensates and flight.model is None:
+        notes.append(
+            f"{flight.name}: its downwash compensation is repeated as recorded, wherever the simulated "
+            "vehicles fly: no interaction model is known that gives it"
+        )
     if not under.any():
         return [f"{flight.name} has no row under another vehicle: only its clear air is compared"]
     return notes if one.has_wake else [*notes, f"{flight.name}: only clear air is compared"]

@@ -141,7 +141,12 @@ def _flight_json(one: ValidatedFlight) -> dict[str, object]:
     return {
         **asdict(comparison(one.under)),
         "clear": asdict(comparison(one.clear)),
-        "loop": {**gains, "attitude_frequency": law.attitude.frequency, "residual_mps2": law.rms},
+        "loop": {
+            **gains,
+            "compensates": law.compensates,
+            "attitude_frequency": law.attitude.frequency,
+            "residual_mps2": law.rms,
+        },
         "drag_per_s": round(one.drag, 4),
     }
 
