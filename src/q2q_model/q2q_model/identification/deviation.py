@@ -83,7 +83,7 @@ class DecayFit:
     beta: Interval
     d: Interval
     extrapolated: bool
-    """Whether d is beyond the largest gap flown."""
+    """Whether d is beyond the largest average gap of a flight."""
 
 
 def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | None:

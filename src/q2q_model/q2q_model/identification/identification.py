@@ -220,7 +220,7 @@ def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str
     flown = max(overlap.gap for overlap in decay.overlaps)
     if decay.extrapolated:
         return decay, [
-            f"d = {decay.d.value:.2f} m lies beyond the largest gap flown, {flown:.2f} m: it is extrapolated"
+            f"d = {decay.d.value:.2f} m is beyond the largest average gap, {flown:.2f} m: it is extrapolated"
         ]
     return decay, []
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from q2q_model import palette
 from q2q_model.documents.written_file import naming_written
 from q2q_model.downwash.interaction_model import InteractionModel, downwash_at_rest
+from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
@@ -54,7 +55,8 @@ def _figures(found: Identification) -> dict[str, DrawFigure]:
         figures["fig5_gains"] = partial(_altitude_figure, calm, loop, None, "learned loop, no downwash")
         title = "learned loop and downwash"
         figures["fig6_7_altitude"] = partial(_altitude_figure, pushed, loop, model, title)
-    figures["fig8_9_downwash"] = partial(_downwash_figure, model)
+    if peak_downwash(model) > 0.0:
+        figures["fig8_9_downwash"] = partial(_downwash_figure, model)
     return figures
 
 
@@ -88,11 +90,11 @@ def _altitude_figure(
     figure.suptitle(f"{record.name}: {title}", x=0.09, ha="left")
     lines = np.stack([record.ref[:, :, 0], record.pos[:, :, 2], record.ref[:, :, 0] + deviation])  # (3, T, n)
     for i, axes in enumerate(figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]):
-        role = "lower" if is_lower(record)[i] else "upper"
+        role = f" ({'lower' if is_lower(record)[i] else 'upper'})" if n > 1 else ""
         axes.plot(record.t, lines[0, :, i], "--", color=palette.REFERENCE, label="reference", zorder=4.0)
         axes.plot(record.t, lines[1, :, i], color=palette.MEASURED, label="measured")
         axes.plot(record.t, lines[2, :, i], color=palette.MODEL, label="simulated")
-        axes.set(ylabel=f"{record.names[i]} ({role}): z [m]", ylim=_one_span(lines, i))
+        axes.set(ylabel=f"{record.names[i]}{role}: z [m]", ylim=_one_span(lines, i))
         axes.grid(alpha=0.3)
     axes.set_xlabel("t [s]")
     figure.legend(*axes.get_legend_handles_labels(), loc="upper right", ncols=3, frameon=False)

@@ -202,6 +202,9 @@ def test_a_model_that_its_flights_do_not_show_is_doubted():
     wide = spread | {"width": Interval(0.1, 0.015, 0.4)}
     (fifth,) = model_doubts(found.gains, scores, found.data, law, wide)
     assert fifth == "these flights do not determine width: the interval is the range of the search"
+    signless = spread | {"strength": Interval(1.0, -0.2, 2.2)}
+    (seventh,) = model_doubts(found.gains, scores, found.data, law, signless)
+    assert seventh == "these flights do not determine strength: its interval [-0.2, 2.2] m/s^2 contains 0"
     (sixth,) = model_doubts(found.gains, scores, found.data[:1], law, spread)
     assert sixth.startswith("no flight was left out")
 

@@ -100,9 +100,14 @@ def _doubts_of_intervals(spread: Mapping[str, Interval], train: Score) -> list[s
             )
         ]
     unknown = [name for name, one in spread.items() if _is_anything(name, one)]
-    if not unknown:
-        return []
-    return [f"these flights do not determine {', '.join(unknown)}: the interval is the range of the search"]
+    doubts = []
+    if unknown:
+        which = ", ".join(unknown)
+        doubts = [f"these flights do not determine {which}: the interval is the range of the search"]
+    if strength is not None and strength.low <= 0.0 and "strength" not in unknown:
+        ends = f"[{strength.low:.3g}, {strength.high:.3g}]"
+        doubts.append(f"these flights do not determine strength: its interval {ends} m/s^2 contains 0")
+    return doubts
 
 
 def _is_anything(name: str, one: Interval) -> bool:
