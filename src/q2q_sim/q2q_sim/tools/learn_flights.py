@@ -3,7 +3,7 @@
 import sys
 import time
 from argparse import Namespace
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 from threadpoolctl import threadpool_limits
 
@@ -29,14 +29,15 @@ def run(args: Namespace) -> int:
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found = learn_air(recordings, flown.vehicle, _print_step)
     save(args.out, found.air)
-    if args.json:
-        write_json(_as_json(found, time.process_time() - began), args.json)
     flights = [one.flight for one in recordings]
     doubts = [note for flight in flights for note in axis_notes(flight)]
     doubts += (
         sensor_notes(flights, flown.vehicle) + rate_notes(flights) + log_notes(recordings, flown.vehicle)
     )
-    for note in (*notes, *filter(None, [flown.note]), *doubts, *found.notes):
+    found = replace(found, notes=(*doubts, *found.notes))
+    if args.json:
+        write_json(_as_json(found, time.process_time() - began), args.json)
+    for note in (*notes, *filter(None, [flown.note]), *found.notes):
         print(f"learn_air: {note}", file=sys.stderr)
     print(table(found))
     used = counted(len(found.air.flights), "flight")

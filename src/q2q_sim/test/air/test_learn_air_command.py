@@ -14,6 +14,7 @@ from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import air_path
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.commands.learn_air import main
+from q2q_sim.tools import learn_flights
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[5] / "shared" / "data")) / "neural_swarm"
 HOVERING = {"z": 0.6, "qw": 1.0, "thrust_cmd": 0.33, "thrust_est": 0.33, "vbat": 3.7}
@@ -52,6 +53,20 @@ def test_a_vehicle_alone_gives_an_air_without_a_jet_that_says_so(
         assert f"no {term}: " in said
     assert "no wind" not in said
     assert "wind.gust_std_mps2" in json.loads((tmp_path / "lone.json").read_text())["values"]
+
+
+def test_doubts_of_the_flights_are_printed_and_in_the_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        learn_flights, "log_notes", lambda _flights, _vehicle: ["lone: a log of another mass"]
+    )
+    flight, out = write_lone_flight(tmp_path / "lone.csv", 0.0), tmp_path / "lone.json"
+    assert main([str(flight), "--out", str(tmp_path / "lone.air"), "--json", str(out)]) == 0
+    notes = json.loads(out.read_text())["notes"]
+    assert "lone: a log of another mass" in notes
+    said = capsys.readouterr().err.splitlines()
+    assert all(f"learn_air: {note}" in said for note in notes)
 
 
 def test_a_flight_of_gaps_is_refused_in_one_sentence(
