@@ -154,6 +154,16 @@ def test_a_bag_without_a_definition_is_read_by_that_of_q2q(tmp_path: Path) -> No
     assert [same_signal(found.signal, SIGNAL) for found in bag.signals()] == [True]
 
 
+@pytest.mark.parametrize("inside", ["", "bag.db3"])
+def test_an_encoding_that_is_not_read_is_named_with_file_and_topic(tmp_path: Path, inside: str) -> None:
+    path = write(tmp_path / "bag", OURS, StoragePlugin.SQLITE3)
+    with closing(sqlite3.connect(path / "bag.db3")) as table, table:
+        table.execute("UPDATE message_definitions SET encoding = 'proto'")
+    said = r"\(bag\.db3: the message definition of topic \S+ has encoding 'proto'; ros2msg and ros2idl are"
+    with pytest.raises(BagError, match=said):
+        BagReader(path / inside)
+
+
 def test_a_definition_that_cannot_be_read_counts_as_none(tmp_path: Path) -> None:
     bag = BagReader(write(tmp_path / "bag", "float64[ thrust", StoragePlugin.MCAP))
     assert [same_signal(found.signal, SIGNAL) for found in bag.signals()] == [True]

@@ -14,6 +14,7 @@ from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader
 
 from q2q_model.bag.storage.bag_path import FILES, ROS1_SUFFIX, is_bag, storage_files
+from q2q_model.bag.storage.definition_encoding import unread_encoding
 from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.indexed_mcap import (
     IndexedFile,
@@ -136,7 +137,8 @@ def _channel(connection: Connection) -> Channel:
 def _salvaged(bag: Path, why: str) -> Source:
     files = [file for file in storage_files(bag) if file.suffix == ".mcap"]
     if not files:
-        raise BagError(f"bag {bag} cannot be read ({why}); only MCAP bags can be repaired")
+        reason = unread_encoding(bag) or why
+        raise BagError(f"bag {bag} cannot be read ({reason}); only MCAP bags can be repaired")
     recovered = [salvage(file) for file in files]
     messages = sorted(
         (found for one in recovered for found in one.messages), key=lambda found: found.stamp_ns
