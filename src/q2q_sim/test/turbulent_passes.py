@@ -12,9 +12,9 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw
-from q2q_sim.experiments.validation.recorded_law import LOOP, ReadFlight, RecordedLaw
+from q2q_sim.experiments.validation.recorded.recorded_law import LOOP, ReadFlight, RecordedLaw
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.swarm import Swarm
 

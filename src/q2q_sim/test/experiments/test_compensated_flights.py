@@ -9,7 +9,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.recordings.flight_recording import Recording
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.experiments.validation.drawn_air import draws_in
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.experiments.validation.validate_flights import _flight_notes
 from q2q_sim.experiments.validation.validated_flight import (
     RMS_RATIO,

@@ -7,9 +7,15 @@ import pytest
 from turbulent_passes import DT, LAW, air, passes, recorded_passes
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.experiments.validation.recorded_law import LOOP, ReadFlight, RecordedLaw, check_stable, read_law
+from q2q_sim.experiments.validation.recorded.recorded_law import (
+    LOOP,
+    ReadFlight,
+    RecordedLaw,
+    check_stable,
+    read_law,
+)
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 
 @pytest.fixture(scope="module")

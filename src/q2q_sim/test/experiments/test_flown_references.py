@@ -11,8 +11,8 @@ from q2q_model.recordings.flight_recording import Recording
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.experiments.validation.flight_alone import flight_alone, is_alone
-from q2q_sim.experiments.validation.recorded_law import ReadFlight, RecordedLaw, feedback, read_law
-from q2q_sim.experiments.validation.tracked_flight import tracked_flight
+from q2q_sim.experiments.validation.recorded.recorded_law import ReadFlight, RecordedLaw, feedback, read_law
+from q2q_sim.experiments.validation.recorded.tracked_flight import tracked_flight
 
 DT = 0.01
 T = DT * np.arange(2000)[:, None, None]

@@ -15,9 +15,9 @@ from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.drawn_air import Draw
-from q2q_sim.experiments.validation.recorded_law import ReadFlight, RecordedLaw, feedback, read_law
+from q2q_sim.experiments.validation.recorded.recorded_law import ReadFlight, RecordedLaw, feedback, read_law
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight, flying_grid, tracked_flight
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, flying_grid, tracked_flight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.swarm import Swarm
 

@@ -13,7 +13,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.validation.drawn_air import draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.error_statistics import comparison
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validate_flights import _all_flown
 from q2q_sim.experiments.validation.validated_flight import (
     COVERAGE,

@@ -11,9 +11,9 @@ from q2q_model.geometry.rotations import UP, identity_quat, rotate
 from q2q_sim.experiments.validation.error_figures import spectrum_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 from q2q_sim.experiments.validation.error_statistics import comparison, error_sums, flight_intervals
-from q2q_sim.experiments.validation.estimate_noise import colour_noise, estimate_noise, noise_density
-from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.recorded.estimate_noise import colour_noise, estimate_noise, noise_density
+from q2q_sim.experiments.validation.recorded.rotor_drag import drag_acceleration, read_drag
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 
 DT = 0.01
 """Time between samples [s]."""

@@ -12,8 +12,8 @@ that of each flight if they differ by more than APART and an F test finds that s
 controllers compensate.
 
 U1 b_z is what the controller wants along z if it divides by the tilt. One that commands the size of its force
-(q2q_sim.experiments.validation.recorded_law) wants it along another tilt than that of the vehicle, b. On the
-recorded flights this moves K_p by up to 2 % and K_d by 1 %, more than the ends of their intervals.
+(q2q_sim.experiments.validation.recorded.recorded_law) wants it along another tilt than that of the vehicle,
+b. On the recorded flights this moves K_p by up to 2 % and K_d by 1 %, more than the ends of their intervals.
 
 Residuals must not come back with the motion: one that lasts for some ticks (noise of the controller's own
 estimate) moves the vehicle, and with it the inputs of its later ticks. Gains are too small then, and

@@ -43,7 +43,7 @@ LOOP = AttitudeParams(frequency=60.0, damping=3.0, lead_ratio=0.15)
 
 Damping and lead are those of least squares on the tilt of dc19_randomwalk_ss_04 (3.0, 0.14) and
 dc21_randomwalk_ss_00 (3.0, 0.14), 3.0 being the largest allowed; the frequency is the median of 16 flights
-(q2q_sim.experiments.validation.recorded_law reads that of one).
+(q2q_sim.experiments.validation.recorded.recorded_law reads that of one).
 """
 
 

@@ -13,7 +13,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.loop.scenario_air import gusts_of
 from q2q_sim.plant.disturbance import Disturbance
 from q2q_sim.plant.swarm import Swarm

@@ -21,7 +21,7 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.lookup.find_air import FlownAir
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE
 from q2q_sim.experiments.validation.error_statistics import ErrorSums, error_sums
-from q2q_sim.experiments.validation.tracked_flight import flying_grid
+from q2q_sim.experiments.validation.recorded.tracked_flight import flying_grid
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import Power, setpoint_row
 from q2q_sim.firmware.firmware_tick import airframe_in, fly_tick, fresh_controllers

@@ -16,10 +16,10 @@ from q2q_model.geometry.rotations import UP, yaw_from_quat
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
-from q2q_sim.experiments.validation.estimate_noise import estimate_noise
-from q2q_sim.experiments.validation.recorded_law import ReadFlight, feedback
-from q2q_sim.experiments.validation.rotor_drag import drag_acceleration
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_state
+from q2q_sim.experiments.validation.recorded.estimate_noise import estimate_noise
+from q2q_sim.experiments.validation.recorded.recorded_law import ReadFlight, feedback
+from q2q_sim.experiments.validation.recorded.rotor_drag import drag_acceleration
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight, tracked_state
 from q2q_sim.plant.body.state_row import POS, QUAT, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 

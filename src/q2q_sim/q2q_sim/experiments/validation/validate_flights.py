@@ -23,7 +23,7 @@ from q2q_sim.experiments.validation.flight_alone import (
     flight_alone,
     is_alone,
 )
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.experiments.validation.validated_flight import (
     ValidatedFlight,
     as_json,

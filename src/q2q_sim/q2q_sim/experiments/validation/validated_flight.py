@@ -18,9 +18,9 @@ from q2q_sim.experiments.validation.error_statistics import (
     flight_intervals,
 )
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
-from q2q_sim.experiments.validation.recorded_law import RecordedLaw, read_law
+from q2q_sim.experiments.validation.recorded.recorded_law import RecordedLaw, read_law
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.redrawn_flight import Draws, redraw_flight
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 DRAWS = 20
 """Draws of a flight."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validated_flight import ValidatedFlight
 from q2q_sim.loop.flight_recorder import FlightRecorder
 from q2q_sim.replay_page import ReplayRun, replay_run

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.signal import welch
 
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.random_streams import stream
 
 LOWEST = 3.2

@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.geometry.rotations import UP, rotate, rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 
 FEWEST_ROWS = 200
 """Fewest rows of a vehicle: 2 s at 100 Hz."""

@@ -4,13 +4,14 @@
     T = m |f|,   attitude: b -> f / |f|                               b: body z
 
 (Morgan, Subramanian, Chung and Hadaegh, IJRR 2016, section 7). A robust regression of T over all vehicles of
-a flight gives the gains and one vertical constant of each vehicle. On the recorded flights it leaves 0.003 to
-0.008 m/s^2 in swaps and 0.02 in random walks, and the gains are the same round numbers in all flights of a
-family. Lateral gains enter |f| by the tilt only, so typical ones stand in where a flight says little.
-Recorded commands of the attitude determine them: f_xy / f_z is the tilt that is commanded.
+a flight (force_regression) gives the gains and one vertical constant of each vehicle. On the recorded flights
+it leaves 0.003 to 0.008 m/s^2 in swaps and 0.02 in random walks, and the gains are the same round numbers in
+all flights of a family. Recorded commands of the attitude determine the lateral gains: f_xy / f_z is the tilt
+that is commanded.
 
 A controller may ignore the downwash that is predicted for it: the law has eta_ff or not, whichever leaves the
-smaller residuals. With the wrong one they are 1.3 to 50 times as large on the recorded flights.
+smaller residuals. With the wrong one they are 1.3 to 50 times as large on recorded flights of several
+vehicles.
 
 The offset c contains errors of the thrust and what the integral had learned before the first row. It is the
 one that balances the recorded motion in clear air: the mean of r'' minus all other terms.
@@ -29,7 +30,6 @@ rates, a_ref is read from the command and the attitude.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
 from q2q_control.attitude.attitude_law import AttitudeParams
@@ -39,21 +39,9 @@ from q2q_model.identification.gains.velocity_limit import at_velocity_limit
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.vehicle_term import LOOP
-from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
-
-LEAST_S = 2.0
-"""Least time of all vehicles with commands, and of those in clear air [s]."""
-FEWEST_SAMPLES = 40
-"""Fewest samples of references in that time: those of 20 Hz in 2 s."""
-ROW_ERROR = 0.01
-"""Residual of T / m above which a row loses weight [m/s^2]: three times that of a swap."""
-TYPICAL = np.array([20.0, 10.0, 0.6])
-"""Lateral K_p, K_d, K_i where a flight does not determine them: those of the flights of June 2020."""
-TYPICAL_SPREAD = 0.5
-"""Standard deviation of lateral gains between laws, over their value [-]."""
-ROWS_TOGETHER = 100
-"""Rows that are one independent one: the residuals of a second have one cause."""
+from q2q_sim.experiments.validation.recorded.force_regression import LEAST_S, fit_force, tracking_errors
+from q2q_sim.experiments.validation.recorded.rotor_drag import drag_acceleration, read_drag
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 
 TILT_BAND = (0.8, 4.0)
 """Band in which tilts are compared [Hz]. Below, errors of the tilt come back in the command through the
@@ -149,7 +137,7 @@ def _steady(flight: TrackedFlight, limited: Mask) -> Mask:
 
 def _known(flight: TrackedFlight, law: RecordedLaw) -> Array:
     """Return the terms of f - g e_z that a recording determines, but a_ref and c, (T, n, 3)."""
-    return np.asarray(feedback(law, *_errors(flight)) - flight.compensated[..., None] * UP)
+    return np.asarray(feedback(law, *tracking_errors(flight)) - flight.compensated[..., None] * UP)
 
 
 def _compensating(flight: TrackedFlight, limited: Mask, mass: float) -> tuple[TrackedFlight, RecordedLaw]:
@@ -157,96 +145,12 @@ def _compensating(flight: TrackedFlight, limited: Mask, mass: float) -> tuple[Tr
     flown = [flight]
     if flight.compensated.any():
         flown.append(replace(flight, compensated=np.zeros_like(flight.compensated), model=None))
-    fits = [(_regression(one, limited, mass), one) for one in flown]
-    (law, _), best = min(fits, key=lambda fit: fit[0][1])
-    return best, replace(law, compensates=bool(best.compensated.any()))
-
-
-@dataclass(frozen=True, slots=True)
-class _ForceRows:
-    """Rows of the regression of gains of x, y and z, 6, and vertical constants, n: parameters x (6 + n,)."""
-
-    errors: Array
-    """e, e' and xi, (3, k, 3)."""
-    plain: Array
-    """a_ref + g e_z - eta_ff e_z [m/s^2], (k, 3)."""
-    own: Mask
-    """Vehicle of each row, (k, n)."""
-    wanted: Array
-    """T / m [m/s^2], (k,)."""
-    tilt: Array
-    """Commanded f_xy / f_z, (k, 2), (0, 2) where it was not recorded."""
-
-    def force(self, x: Array) -> Array:
-        """Return f [m/s^2], (k, 3)."""
-        gains = np.stack([x[3:6], x[3:6], x[:3]], axis=1)  # K_p, K_d, K_i of x, y and z
-        feed = np.einsum("gj,gkj->kj", gains, self.errors) + (self.own @ x[6:])[:, None] * UP
-        return np.asarray(self.plain + feed)
-
-    def missed(self, x: Array) -> Array:
-        """Return |f| - T / m, and f_xy - f_z tilt, [m/s^2], (k,) or (3 k,)."""
-        force = self.force(x)
-        aside = force[: len(self.tilt), :2] - force[: len(self.tilt), 2:] * self.tilt
-        return np.concatenate([np.linalg.norm(force, axis=1) - self.wanted, *aside.T])
-
-    def slopes(self, x: Array) -> Array:
-        """Return the derivatives of `missed` by x, one row for each."""
-        axis = self.force(x) / np.linalg.norm(self.force(x), axis=1, keepdims=True)
-        rows, along = len(self.tilt), self._along(axis)
-        aside = (
-            [
-                self._along(np.array([*one, 0.0]) - self.tilt[:, k, None] * UP)
-                for k, one in enumerate(np.eye(2))
-            ]
-            if rows
-            else []
-        )
-        return np.vstack([along, *aside])
-
-    def _along(self, axis: Array) -> Array:
-        """Return the derivatives of the force along axes (k, 3) by x, (k, 6 + n)."""
-        along = axis * self.errors  # (3, k, 3)
-        vertical, lateral = along[..., 2].T, along[..., :2].sum(axis=-1).T
-        return np.column_stack([vertical, lateral, axis[:, 2:] * self.own])
-
-
-def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> tuple[RecordedLaw, float]:
-    """Return the gains, with offsets of zero, and the loss of their residuals [-]."""
-    commanded = flight.usable & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
-    rows, seconds = commanded & flight.sure, commanded.sum() * flight.dt
-    if seconds < LEAST_S or rows.sum() < FEWEST_SAMPLES or limited.any(axis=-1).all(axis=0).any():
-        raise ValueError(
-            f"flight {flight.name} cannot be flown again: {seconds:.1f} s with thrust commands, and "
-            f"{rows.sum()} samples of references with rates in them; the gains of its controllers need "
-            f"{LEAST_S:g} s, {FEWEST_SAMPLES} samples, and rates of each vehicle"
-        )
-    system = _ForceRows(
-        errors=np.stack([error[rows] for error in _errors(flight)]),
-        plain=(flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows],
-        own=np.nonzero(rows)[1][:, None] == np.arange(len(flight.names)),
-        wanted=flight.thrust[rows] / mass,
-        tilt=np.zeros((0, 2)) if flight.tilt is None else flight.tilt[rows],
+    fits = [fit_force(one, limited, mass) for one in flown]
+    fit, best = min(zip(fits, flown, strict=True), key=lambda pair: pair[0].loss)
+    still = np.zeros((len(flight.names), 3))
+    return best, RecordedLaw(
+        fit.k_p, fit.k_d, fit.k_i, still, fit.rms, compensates=bool(best.compensated.any())
     )
-    weight = ROW_ERROR * np.sqrt(ROWS_TOGETHER) / TYPICAL_SPREAD
-    prior = np.zeros((3, 6 + len(flight.names)))
-    prior[:, 3:6] = np.diag(weight / TYPICAL)
-    found = least_squares(
-        lambda x: np.append(system.missed(x), prior @ x - weight),
-        np.concatenate([TYPICAL, TYPICAL, np.zeros(len(flight.names))]),
-        jac=lambda x: np.vstack([system.slopes(x), prior]),
-        loss="soft_l1",
-        f_scale=ROW_ERROR,
-    )
-    x = found.x
-    k_p, k_d, k_i = (np.array([xy, xy, z]) for xy, z in zip(x[3:6], x[:3], strict=True))
-    rms = 1.4826 * float(np.median(np.abs(system.missed(x)[: rows.sum()])))
-    return RecordedLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), rms), float(found.cost)
-
-
-def _errors(flight: TrackedFlight) -> tuple[Array, Array, Array]:
-    """Return e, e' and xi, (T, n, 3) each."""
-    error = flight.ref_pos - flight.pos
-    return error, flight.ref_vel - flight.vel, np.cumsum(error, axis=0) * flight.dt
 
 
 def _commanded(flight: TrackedFlight, attitude: AttitudeParams, vehicle: Vehicle) -> Array:
