@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
-from q2q_control.failsafe.evasion.evasion_shift import EvasionShift, Place
+from q2q_control.failsafe.evasion.evasion_shift import EvadedVehicle, EvasionShift
 from q2q_control.failsafe.tracking_loss.dead_reckoned_braking import Reckoned
 from q2q_model.signals.values import TRACKED, Array, Names, SwarmSetpoint, SwarmState, index_of, rows_by_name
 
@@ -81,11 +81,11 @@ class DescentEvasion:
         self._begin_anew(setpoint, state.names, (pos[:, :2], rest), dt)
         sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, lost) >= 0
         self._turn(returning, state, sent)
-        reach = _distances(state.age, gone)
+        reach, growth = _distances(state.age, gone)
         evading = ~gone & (index_of(state.names, setpoint.names) >= 0)
         for places in (pos, np.where(gone[:, None], pos, sent)):
             self._ask(_near_gone(places, evading, gone, reach), state.names, pos, rest)
-        evaded = zip(map(tuple, pos[:, :2].tolist()), reach.tolist(), strict=True)
+        evaded = map(EvadedVehicle, map(tuple, pos[:, :2].tolist()), reach.tolist(), growth.tolist())
         unmeasured = frozenset(state.names[row] for row in np.flatnonzero(state.status != TRACKED))
         moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), unmeasured, dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
@@ -153,11 +153,11 @@ class DescentEvasion:
     def _moved(
         self,
         setpoint: SwarmSetpoint,
-        evaded: Mapping[str, tuple[Place, float]],
+        evaded: Mapping[str, EvadedVehicle],
         unmeasured: frozenset[str],
         dt: float,
     ) -> SwarmSetpoint:
-        """Return the setpoints shifted from the places of others, (2,), by the distances to keep [m]."""
+        """Return the setpoints shifted from those that are evaded."""
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
         for row, name in enumerate(setpoint.names):
             shift = self._shifts.get(name)
@@ -166,7 +166,7 @@ class DescentEvasion:
             if name in unmeasured:
                 target, target_vel = shift.resting_place, np.zeros(2)
             else:
-                at = evaded[name][0] if name in evaded else tuple(setpoint.pos[row, :2].tolist())
+                at = evaded[name].place if name in evaded else tuple(setpoint.pos[row, :2].tolist())
                 target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], at, evaded)
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos
@@ -203,10 +203,16 @@ def _sent(setpoint: SwarmSetpoint, names: Names, pos: Array) -> Array:
     return rows_by_name(setpoint.pos, setpoint.names, names, pos)
 
 
-def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:
-    """Return the distance to keep from each vehicle [m], (n,), by the age of its measurement [s], (n,)."""
+def _distances(age: Array, gone: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return the distance to keep from each vehicle [m] and how fast it grows [m/s], (n,) each.
+
+    Args:
+        age: of the measurement of each [s], (n,).
+        gone: which of them are not measured, (n,).
+    """
     grown = REACH + DRIFT * np.maximum(age - DRIFT_FROM_S, 0.0)
-    return np.where(gone, np.minimum(grown, FARTHEST), REACH)
+    grows = gone & (age > DRIFT_FROM_S) & (grown < FARTHEST)
+    return np.where(gone, np.minimum(grown, FARTHEST), REACH), np.where(grows, DRIFT, 0.0)
 
 
 def _near_gone(

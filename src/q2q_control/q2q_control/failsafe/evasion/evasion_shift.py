@@ -5,9 +5,10 @@ It keeps a distance d_j from the place p_j of each of them, along a direction u_
     goal = max(0, d_j - (r - p_j) . u) u          r: setpoint, horizontal
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
-where goal' counts while r approaches only: nothing that moves away is braked. Both are 0 while the straight
-way of the vehicle to r keeps d_j from p_j, as it does past j. The shift of a vehicle that is not measured
-comes to rest, s'' = -w s': it would be lost at speed.
+where goal' = max(0, d_j' - r' . u) u: a distance that grows is kept without a lag of up to 2 d' / w, and
+nothing that moves away is braked. Both are 0 while the straight way of the vehicle to r keeps d_j from p_j,
+as it does past j. The shift of a vehicle that is not measured comes to rest, s'' = -w s': it would be lost
+at speed.
 
 A setpoint that jumps to where its vehicle is (rejoining, climb_back, a replanner that restarts its motion)
 contains the shift already: s and s' begin at 0 again. Kept, they would send the vehicle twice as far.
@@ -23,6 +24,7 @@ contains the shift already: s and s' begin at 0 again. Kept, they would send the
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,6 +39,16 @@ AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
 JUMP = 0.1
 """Step of a setpoint, less its velocity, that is a jump [m]: a corner of a plan at 1 m/s in LONGEST_STEP."""
+
+
+class EvadedVehicle(NamedTuple):
+    """Vehicle that is evaded."""
+
+    place: Place
+    reach: float
+    """Distance to keep from it [m]."""
+    growth: float
+    """Rate at which that distance grows [m/s]."""
 
 
 @dataclass(slots=True)
@@ -70,7 +82,7 @@ class EvasionShift:
         return begins
 
     def goal(
-        self, pos: Array, vel: Array, at: Place, evaded: Mapping[str, tuple[Place, float]]
+        self, pos: Array, vel: Array, at: Place, evaded: Mapping[str, EvadedVehicle]
     ) -> tuple[Array, Array]:
         """Return the shift that a setpoint (3,) should have [m] and its velocity [m/s], (2,) each.
 
@@ -80,19 +92,19 @@ class EvasionShift:
             pos: setpoint [m].
             vel: its velocity [m/s].
             at: where the vehicle is [m].
-            evaded: places of others [m], and distances to keep from them [m].
+            evaded: others, by name.
         """
         (x, y, _), (vx, vy, _) = pos.tolist(), vel.tolist()
         back = at[0] - x, at[1] - y
         sx = sy = sent_x = sent_y = 0.0
         for other, direction in self.directions.items():
-            ((px, py), reach), (ux, uy) = evaded[other], direction.tolist()
+            ((px, py), reach, growth), (ux, uy) = evaded[other], direction.tolist()
             if _is_clear((x - px, y - py), back, reach):
                 continue
             shortfall = reach - ((x + sx - px) * ux + (y + sy - py) * uy)
             if shortfall > 0.0:
                 sx, sy = sx + shortfall * ux, sy + shortfall * uy
-                towards = max(-((vx + sent_x) * ux + (vy + sent_y) * uy), 0.0)
+                towards = max(growth - ((vx + sent_x) * ux + (vy + sent_y) * uy), 0.0)
                 sent_x, sent_y = sent_x + towards * ux, sent_y + towards * uy
         return np.array([sx, sy]), np.array([sent_x, sent_y])
 
