@@ -2,6 +2,9 @@
 
 numba's own cache checks only the file of the function: if a called function or a constant changes in another
 file, stale machine code runs silently. Here the cache key also contains the digest of kernel_digest.
+
+numba reads only from folders that it can write. Here code is also loaded from one that can only be read: an
+installation of another user, a read-only file system.
 """
 
 import fcntl
@@ -12,16 +15,39 @@ from pathlib import Path
 from pickle import UnpicklingError
 from typing import Any
 
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
 from q2q_model.compilation.kernel_digest import fields_of_types, kernel_digest
 
-UNREADABLE = (ImportError, AttributeError, EOFError, UnpicklingError)
-"""What reading a stored file raises where a module has moved, or the file was cut short."""
+UNREADABLE = (ImportError, AttributeError, EOFError, UnpicklingError, PermissionError)
+"""What reading a stored file raises where a module has moved, or the file is cut short or not ours."""
+
+
+class ReadableFolder:
+    """Mixin of numba's locators of folders that also takes one with code that can only be read."""
+
+    def ensure_cache_path(self) -> None:
+        """Do nothing if code can be stored in the folder, or is stored there; raise OSError otherwise."""
+        try:
+            super().ensure_cache_path()  # type: ignore[misc]  # of the locator
+        except OSError:
+            if not any(Path(self.get_cache_path()).glob("*.nbi")):  # type: ignore[attr-defined]
+                raise
+
+
+class ReadableFolders(CompileResultCacheImpl):  # type: ignore[misc]  # numba has no types
+    """Choice of a function's folder, the first readable or writable one of those that numba looks at."""
+
+    _locator_classes = tuple(
+        type(one.__name__, (ReadableFolder, one), {})
+        for one in CompileResultCacheImpl._locator_classes  # noqa: SLF001
+    )
 
 
 class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     """Cache of compiled code keyed by the digest of all dependencies."""
+
+    _impl_class = ReadableFolders
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
@@ -50,7 +76,7 @@ class KernelIndex(IndexDataCacheFile):  # type: ignore[misc]  # numba has no typ
         """Add the code of a key to what other processes have added since this one read the index.
 
         numba reads the index and replaces it: the slower of two processes would drop the code of the other.
-        On a full disk, say, the code is not kept.
+        On a full disk or in a folder that cannot be written, the code is not kept.
         """
         try:
             with Path(self._cache_path, "lock").open("a") as lock:

@@ -207,6 +207,9 @@ def test_a_cache_file_that_was_cut_short_is_written_anew(
     assert fresh.printed(tmp_path, HALF) == "0 1.5 0"
 
 
+NOT_STORED = (
+    "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a writable folder"
+)
 FULL_DISK = """
 import resource, warnings
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
@@ -222,12 +225,9 @@ with warnings.catch_warnings(record=True) as said:
 def test_on_a_full_disk_kernels_are_compiled_at_each_start(
     fresh: _Interpreters, tmp_path: Path, limit: int
 ) -> None:
-    warned = (
-        "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a writable folder"
-    )
     for _ in range(2):
         said = fresh.printed(tmp_path, FULL_DISK.format(limit=limit))
-        assert said == f"2 1.5 1.0 2 {warned}"
+        assert said == f"2 1.5 1.0 2 {NOT_STORED}"
 
 
 def test_without_a_folder_for_machine_code_kernels_are_compiled_at_each_start(
@@ -242,6 +242,33 @@ def test_without_a_folder_for_machine_code_kernels_are_compiled_at_each_start(
     with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR to a writable folder"):
         assert compiled(_half)(3.0) == 1.5
     assert uncached_kernels() == [f"{__name__}._half"]
+
+
+READ_ONLY = """
+import ctypes, warnings
+version, of_this_process, none = 0x20080522, 0, [0] * 6
+words = ctypes.c_uint32 * 2, ctypes.c_uint32 * 6
+assert ctypes.CDLL(None).capset(words[0](version, of_this_process), words[1](*none)) == 0
+with warnings.catch_warnings(record=True) as said:
+    warnings.simplefilter("default")
+    from q2q_model.compiled import COMPILED, compiled, uncached_kernels
+    half = compiled(lambda x: 0.5 * x)
+    print(len(uncached_kernels()), half(3.0), len(COMPILED), *[one.message for one in said])
+"""
+"""Without capabilities, permissions hold for root, too."""
+
+
+def test_code_is_loaded_from_a_folder_that_can_only_be_read(fresh: _Interpreters, tmp_path: Path) -> None:
+    """Whoever ran the installation of another user compiled for minutes at each start."""
+    assert fresh.printed(tmp_path, READ_ONLY) == "1 1.5 1"
+    (folder,) = (tmp_path / "cache").iterdir()
+    kept = sorted(folder.iterdir())
+    folder.chmod(0o555)
+    assert fresh.printed(tmp_path, READ_ONLY) == "0 1.5 0"
+    (index,) = folder.glob("*.nbi")
+    index.chmod(0)
+    assert fresh.printed(tmp_path, READ_ONLY) == f"1 1.5 1 {NOT_STORED}"
+    assert sorted(folder.iterdir()) == kept
 
 
 PAIR = """
