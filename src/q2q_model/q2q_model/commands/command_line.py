@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from io import TextIOWrapper
-from pathlib import Path
 from typing import NoReturn
 
 from q2q_model.commands.clean_exit import (
@@ -30,6 +29,8 @@ from q2q_model.node.lean_imports import lean_imports
 
 WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
 UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
+STDERR = 2
+"""File descriptor of the standard error."""
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
 CUT_OFF = 141
@@ -122,9 +123,14 @@ def run_command(
 
 
 def open_standard_error() -> None:
-    """Drop errors where standard error is closed (`2>&-`): `print` would write them to standard output."""
+    """Drop errors where standard error is closed (`2>&-`), also those of processes that this one starts.
+
+    `print` would write them to standard output, and into the next file that is opened what C prints.
+    """
     if sys.stderr is None:
-        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115 - until the process ends
+        os.dup2(os.open(os.devnull, os.O_RDWR), STDERR)
+        os.set_inheritable(STDERR, True)  # which dup2 leaves out if it was given this one
+        sys.stderr = os.fdopen(STDERR, "w", closefd=False)
 
 
 def _replace_unprintable() -> None:

@@ -163,6 +163,21 @@ def test_a_closed_standard_output_is_refused_before_the_work_and_closed_errors_a
     assert (dropped.returncode, dropped.stdout, dropped.stderr) == (0, "document\n", "")
 
 
+@pytest.mark.parametrize("closed", ["2>&-", "<&- 2>&-"])
+def test_a_process_that_a_command_starts_has_a_standard_error_where_that_of_the_command_is_closed(
+    closed: str,
+):
+    program = (
+        "import subprocess, sys; from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "child = [sys.executable, '-c', 'import sys; print(1, file=sys.stderr); sys.exit(sys.stderr is None)']\n"
+        "work = lambda _: subprocess.run(child).returncode\n"
+        "sys.exit(run_command(CommandLine('tool', 'Does things.', 'tool'), lambda _: work, []))"
+    )
+    command = ["sh", "-c", f'exec "$0" -c "$1" {closed}', sys.executable, program]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 def test_output_in_an_encoding_that_lacks_a_letter_is_printed_all_the_same():
     program = (
         "from q2q_model.commands.command_line import CommandLine, run_command\n"
