@@ -1,8 +1,9 @@
-"""Exit without a traceback: on a signal in imports or numba, and if nobody reads the output any more."""
+"""Exit without a traceback: on a signal in imports or numba, and if the output cannot be written any more."""
 
 import os
 import select
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -79,3 +80,13 @@ def drop_output() -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, STDOUT)
     os.close(nowhere)
+
+
+def lost_output() -> OSError | None:
+    """Return why the standard output cannot be written, if so (a full disk), and drop what is left of it."""
+    try:
+        sys.stdout.flush()  # fails again: it keeps what it could not write
+    except OSError as error:
+        drop_output()
+        return OSError(error.errno, error.strerror, "standard output")
+    return None

@@ -21,6 +21,7 @@ from q2q_model.commands.clean_exit import (
     drop_output,
     exiting_on_signal,
     interrupted_where_safe,
+    lost_output,
     output_is_read,
 )
 from q2q_model.commands.help_text import HelpText
@@ -117,9 +118,16 @@ def run_command(
         if isinstance(refusal, BrokenPipeError) and not output_is_read():
             drop_output()
             return CUT_OFF
-        for said in (*getattr(refusal, "__notes__", ()), failure_reason(refusal)):
-            print(f"{line.prog}: {said}", file=sys.stderr)
+        print_refusal(line.prog, refusal)
         return refused
+
+
+def print_refusal(program: str, refusal: ValueError | OSError) -> None:
+    """Print an error's notes and its reason, each as one line of a program."""
+    if isinstance(refusal, OSError) and not refusal.filename:
+        refusal = lost_output() or refusal
+    for said in (*getattr(refusal, "__notes__", ()), failure_reason(refusal)):
+        print(f"{program}: {said}", file=sys.stderr)
 
 
 def open_standard_error() -> None:
@@ -129,7 +137,7 @@ def open_standard_error() -> None:
     """
     if sys.stderr is None:
         os.dup2(os.open(os.devnull, os.O_RDWR), STDERR)
-        os.set_inheritable(STDERR, True)  # which dup2 leaves out if it was given this one
+        os.set_inheritable(STDERR, True)  # noqa: FBT003 - no keyword; dup2 leaves it out if given this one
         sys.stderr = os.fdopen(STDERR, "w", closefd=False)
 
 

@@ -127,11 +127,13 @@ def test_a_warning_is_one_line_of_the_program_and_changes_nothing_beyond_it(
 
 
 @pytest.mark.parametrize("lines", [1, 100_000])  # the first waits in the buffer until the end
-def test_output_that_nobody_reads_ends_a_command_without_a_traceback(lines: int):
+@pytest.mark.parametrize("printed", ["print", "plain_console().print"])
+def test_output_that_nobody_reads_ends_a_command_without_a_traceback(printed: str, lines: int):
     program = (
         "import sys; from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "from q2q_model.plain_console import plain_console\n"
         "sys.stdin.read()\n"
-        f"work = lambda _: print('line\\n' * {lines}) or 0\n"
+        f"work = lambda _: {printed}('line\\n' * {lines}) or 0\n"
         "sys.exit(run_command(CommandLine('tool', 'Does things.', 'tool'), lambda _: work, []))"
     )
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
@@ -142,6 +144,20 @@ def test_output_that_nobody_reads_ends_a_command_without_a_traceback(lines: int)
         _, said = process.communicate(b"")
     assert process.returncode == 141
     assert said == b""
+
+
+@pytest.mark.parametrize("printed", ["print", "plain_console().print"])
+def test_a_standard_output_on_a_full_disk_is_named(printed: str):
+    program = (
+        "import sys; from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "from q2q_model.plain_console import plain_console\n"
+        f"work = lambda _: {printed}('line') or 0\n"
+        "sys.exit(run_command(CommandLine('tool', 'Does things.', 'tool'), lambda _: work, []))"
+    )
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    command = ["sh", "-c", 'exec "$0" -c "$1" > /dev/full', sys.executable, program]
+    done = subprocess.run(command, stderr=subprocess.PIPE, text=True, env=buffered, check=False)
+    assert (done.returncode, done.stderr) == (1, "tool: standard output: No space left on device\n")
 
 
 def test_a_closed_standard_output_is_refused_before_the_work_and_closed_errors_are_dropped():
@@ -169,8 +185,8 @@ def test_a_process_that_a_command_starts_has_a_standard_error_where_that_of_the_
 ):
     program = (
         "import subprocess, sys; from q2q_model.commands.command_line import CommandLine, run_command\n"
-        "child = [sys.executable, '-c', 'import sys; print(1, file=sys.stderr); sys.exit(sys.stderr is None)']\n"
-        "work = lambda _: subprocess.run(child).returncode\n"
+        "code = 'import sys; print(1, file=sys.stderr); sys.exit(sys.stderr is None)'\n"
+        "work = lambda _: subprocess.run([sys.executable, '-c', code]).returncode\n"
         "sys.exit(run_command(CommandLine('tool', 'Does things.', 'tool'), lambda _: work, []))"
     )
     command = ["sh", "-c", f'exec "$0" -c "$1" {closed}', sys.executable, program]

@@ -39,11 +39,11 @@ def judge_program(args: Namespace) -> int:
     named = {f"--start {k + 1}": one for k, one in enumerate(options.starts)}
     check_starts(named or {one.name: one.start for one in options.served}, options.limits)
     found = licence(Program(args.script.resolve(), tuple(args.arguments), Path.cwd()), options)
-    print(report_text(found))
     if args.json:
         write_json(licence_json(found), args.json)
     if args.junit:
         write_text(junit_xml(found), args.junit)
+    print(report_text(found))
     if args.out:
         print(f"page: {write_licence_page(found, args.out)}")
     if not found.judged:

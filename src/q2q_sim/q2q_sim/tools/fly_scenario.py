@@ -34,11 +34,11 @@ def run(args: Namespace) -> int:
 
         return replay_recorded_flight(args.real, args.model, args.json)
     flown = _fly(args)
-    print_flights([flown])
     try:
-        if args.json:
+        if args.json:  # first: the table may have no reader
             write_json(runs_json([flown]), args.json)
     finally:
+        print_flights([flown])
         status = print_verdict([flown])
     return status
 

@@ -58,10 +58,10 @@ def replay_recorded_flight(name: str, model: str, json_file: Path | None) -> int
         for one in samples
     ]
     picture = save(prediction_figure(pushes), OUT / f"{name}.png")
-    print_score(name, chosen, found)
-    print(f"plot: {picture}")
     if json_file:
         write_json({"flight": name, "model": chosen, **asdict(found)}, json_file)
+    print_score(name, chosen, found)
+    print(f"plot: {picture}")
     return 0
 
 

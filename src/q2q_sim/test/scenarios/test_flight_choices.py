@@ -1,6 +1,6 @@
 """The command line of `fly` asks for the flight that its words name."""
 
-import re
+import json
 from pathlib import Path
 
 import pytest
@@ -65,6 +65,22 @@ def test_predictions_are_recorded_of_a_distributed_flight_only(capsys: pytest.Ca
     assert "--record predictions without --distributed: give both" in capsys.readouterr().err
 
 
+def test_the_numbers_of_a_flight_are_written_before_its_table_is_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With `fly table6 --json FILE | head -1` printing ends the command."""
+
+    def cut_off(*_: object) -> int:
+        raise BrokenPipeError
+
+    for name, value in (("_fly", None), ("runs_json", ["numbers"])):
+        monkeypatch.setattr(fly_scenario, name, lambda _, value=value: value)
+    monkeypatch.setattr(fly_scenario, "print_flights", cut_off)
+    with pytest.raises(BrokenPipeError):
+        fly_scenario.run(parser().parse_args(["table6", "--json", str(tmp_path / "numbers.json")]))
+    assert json.loads((tmp_path / "numbers.json").read_text()) == ["numbers"]
+
+
 def test_the_progress_of_a_flight_is_named_as_in_its_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -77,12 +93,6 @@ def test_the_progress_of_a_flight_is_named_as_in_its_table(
     with pytest.raises(ValueError, match="not flown"):
         fly_with_progress(asked, tmp_path, tmp_path / "bag", Interruption())
     assert "table6 ignoring, corrected" in capsys.readouterr().err
-
-
-def test_descriptions_call_vehicles_by_the_names_that_they_fly_under() -> None:
-    for name in library.names():
-        called = set(re.findall(r"\b(?:cf|Q)\d+\b", library.describe(name)))
-        assert called <= set(library.load(name).names), name
 
 
 def test_the_descriptions_of_all_scenarios_begin_in_one_column(capsys: pytest.CaptureFixture[str]):

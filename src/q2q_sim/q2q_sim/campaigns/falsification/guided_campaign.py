@@ -11,11 +11,11 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.plain_console import plain_console
 from q2q_sim.air.lookup.find_air import find_air
 from q2q_sim.campaigns.falsification.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.campaigns.falsification.candidate_flight import fly_candidate
@@ -47,9 +47,9 @@ def run(args: Namespace) -> int:
     with exclusive_log(args.out / SEARCHES):
         searches, scores = list(_searches(args)), list(_scores(args))
     total = summary(searches, scores)
-    print_totals(total)
     if args.json:
         write_json(total, args.json)
+    print_totals(total)
     return int(bool(total["violations"]))
 
 
@@ -96,7 +96,7 @@ def print_totals(total: dict[str, object]) -> None:
     for name, found in bugs.items() if isinstance(bugs, dict) else ():
         table.add_row(name, str(found["guided"] or "-"), str(found["blind"] or "-"))
     if bugs:
-        Console().print(table)
+        plain_console().print(table)
         print(
             f"seeded bugs found in {total['bug_runs']} runs each: {total['seeded_found']} of "
             f"{total['seeded_bugs']}, blind {total['blind_found']}"

@@ -29,9 +29,9 @@ def run(args: Namespace) -> int:
     if args.air:
         find_air(args.air)
     flown, seconds = _fly(args)
-    print_campaign(flown, seconds)
     if args.json:
         write_json(summary(flown, seconds), args.json)
+    print_campaign(flown, seconds)
     return int(any(one.violations for one in flown))
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from rich.console import Console
 from rich.progress import Progress
 
 from q2q_model.documents.json_file import write_json
+from q2q_model.plain_console import plain_console
 from q2q_sim.experiments.endurance.endurance_report import (
     endurance_json,
     endurance_sentence,
@@ -28,10 +28,10 @@ def run(args: Namespace) -> int:
     """Fly, print and write the growth of every quantity; return the exit status."""
     flight = _flown(args)
     found = measured_growths(flight)
-    console = Console()
-    console.print(growth_table(flight, found), width=max(console.width, WIDTH))
     if args.json:
         write_json(endurance_json(flight, found), args.json)
+    console = plain_console()
+    console.print(growth_table(flight, found), width=max(console.width, WIDTH))
     print(endurance_sentence(flight, found))
     return int(not is_flat(flight, found))
 
@@ -40,7 +40,7 @@ def _flown(args: Namespace) -> LongFlight:
     interruption = Interruption()
     with (
         TemporaryDirectory(prefix="q2q-endurance-") as place,
-        Progress(console=Console(stderr=True)) as bar,
+        Progress(console=plain_console(stderr=True)) as bar,
     ):
         task = bar.add_task("endurance", total=1.0)
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import Json
+from q2q_model.plain_console import plain_console
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
 from q2q_sim.firmware.estimator import DT
@@ -19,8 +19,8 @@ UNBOUNDED = 10_000
 
 def print_whole(table: Table) -> None:
     """Print a table at its full width, also where the output is narrower, as that of a pipe is."""
-    wide = Console(width=UNBOUNDED)
-    Console(width=max(Console().width, wide.measure(table).maximum)).print(table)
+    wide = plain_console(width=UNBOUNDED)
+    plain_console(width=max(plain_console().width, wide.measure(table).maximum)).print(table)
 
 
 def error_table(found: Sequence[ReplayedErrors]) -> Table:

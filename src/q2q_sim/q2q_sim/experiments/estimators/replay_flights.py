@@ -26,10 +26,10 @@ def replay_flights(recordings: Sequence[Recording], args: Namespace) -> int:
             found += replayed_errors(motion, range(args.draws))
     if not found:
         raise ValueError("none of these flights can be replayed")
-    for table in [error_table(found), *([flight_table_of(found)] if args.each else [])]:
-        print_whole(table)
     if args.json:
         write_json(errors_json(found, args.draws), args.json)
+    for table in [error_table(found), *([flight_table_of(found)] if args.each else [])]:
+        print_whole(table)
     return 0
 
 

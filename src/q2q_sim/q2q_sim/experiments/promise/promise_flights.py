@@ -45,17 +45,17 @@ def run(args: Namespace) -> int:
         _warn(tube, case, args)
     records = _flown(range(args.first, args.first + args.count), case, args)
     found = promise_verdict(records, tube)
-    print(*verdict_lines(found), sep="\n")
     document: dict[str, Json] = {"first": args.first, "verdict": verdict_json(found)}
     document["replanner"] = to_plain(case.params)
     document["tube"] = to_plain(tube) if tube else None
     if args.json:
         write_json(document, args.json)
+    print(*verdict_lines(found), sep="\n")
     if args.learn:
         flown = TubeFlights(args.first, args.count, case.params.tracking, case.params.tracking_z)
         learned = learn_tube(largest_errors(records), args.alpha, case.conditions, flown)
-        print(*tube_lines(learned), sep="\n")
         write_json(to_plain(learned), args.learn)
+        print(*tube_lines(learned), sep="\n")
     return int(found.entries.events > 0)
 
 

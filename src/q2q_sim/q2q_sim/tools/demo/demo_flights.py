@@ -55,11 +55,11 @@ def run(args: Namespace) -> int:
 def fly_and_show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:
     """Fly the three modes; print the table; write bags, pictures, page and JSON; return the flights."""
     runs = fly_requests([FlightRequest(SCENARIO, mode, stack=True) for mode in MODE_WORDS], out)
+    if json_file:
+        write_json(runs_json(runs), json_file)
     print_runs(runs)
     print_numbers(runs)
     write_demo_page(runs, out)
-    if json_file:
-        write_json(runs_json(runs), json_file)
     return runs
 
 

@@ -75,11 +75,11 @@ def run(args: Namespace) -> int:
     model = _save_model(ModelFile(scores.jet, fit=scored.fit), args.out)
     requests = [FlightRequest(PASSAGE, mode, model=str(model), air=ROOM, stack=True) for mode in MODES]
     runs = fly_requests(requests, args.out)
+    if args.json:
+        write_json(_as_json(flights, scores, runs), args.json)
     print_runs(runs)
     print_numbers(runs)
     write_real_page(flights.origin, scores, runs, args.out)
-    if args.json:
-        write_json(_as_json(flights, scores, runs), args.json)
     return print_verdict(runs)
 
 
