@@ -7,8 +7,8 @@ _q2q_enter() {
   local venv=$_q2q_root/.venv shell=bash entry
   [ -z "${ZSH_VERSION:-}" ] || shell=zsh
   if [ "$(cut -d' ' -f1 "$venv/q2q/origin")" = wheels ]; then
-    # Another ROS must not leak in: the wheels are their own prefix.
-    unset PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+    # Another ROS or Python must not leak in: the wheels are their own prefix, and have one middleware only.
+    unset PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
     export LD_LIBRARY_PATH=$(sh "$_q2q_root/scripts/setup.d/other_libraries.sh")
     export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
   else

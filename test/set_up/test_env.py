@@ -50,6 +50,20 @@ def test_on_wheels_the_libraries_of_another_ros_are_left_out_and_others_kept(che
     assert entered(checkout, "LD_LIBRARY_PATH", **humble) == ""
 
 
+def test_on_wheels_another_middleware_is_left_out_and_on_a_sourced_ros_kept(checkout: Checkout) -> None:
+    """The wheels have Fast DDS only, and nodes do not start with another."""
+    chosen = {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
+    stamps = made_on(checkout, "wheels") / "q2q"
+    assert entered(checkout, "{RMW_IMPLEMENTATION:-}", **chosen) == ""
+    (stamps / "origin").write_text("sourced 3.12\n")
+    assert entered(checkout, "{RMW_IMPLEMENTATION:-}", **chosen) == "rmw_cyclonedds_cpp"
+
+
+def test_on_wheels_the_home_of_another_python_is_left_out(checkout: Checkout) -> None:
+    made_on(checkout, "wheels")
+    assert entered(checkout, "{PYTHONHOME:-}", PYTHONHOME="/opt/other") == ""
+
+
 def test_what_another_checkout_set_is_no_choice_of_the_user(checkout: Checkout) -> None:
     made_on(checkout, "wheels")
     other = checkout.root.parent / "other"
