@@ -20,7 +20,7 @@ kernels_are_compiled() { [ "$(cat "$KERNELS_STAMP" 2>/dev/null)" = "$(kernels_ha
 
 compile_kernels() (
   workspace_environment
-  exec "$VENV/bin/python" -m q2q_sim.tools.kernels.compile_kernels
+  exec "$VENV/bin/python" -P -m q2q_sim.tools.kernels.compile_kernels
 )
 
 # A failure is no reason to refuse a shell: nodes compile what they lack when they start.

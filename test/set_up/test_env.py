@@ -1,8 +1,13 @@
-"""scripts/env.sh: the shell that it makes of shells of all kinds."""
+"""scripts/env.sh: the shell that it makes of shells of all kinds, and what is run in one."""
 
+import os
+import sys
 from pathlib import Path
 
-from fresh_checkout import Checkout
+import pytest
+from fresh_checkout import ROOT, Checkout
+
+SOURCES = os.pathsep.join(map(str, sorted((ROOT / "src").iterdir())))
 
 
 def test_a_folder_on_cdpath_is_not_taken_for_the_checkout(checkout: Checkout) -> None:
@@ -80,3 +85,14 @@ def test_a_folder_of_machine_code_is_the_same_in_every_folder(checkout: Checkout
     """Nodes that ran in another one than the set-up found nothing there, and compiled in flight."""
     made_on(checkout, "wheels")
     assert entered(checkout, "NUMBA_CACHE_DIR", NUMBA_CACHE_DIR="chosen") == f"{checkout.root}/chosen"
+
+
+@pytest.mark.parametrize("script", ["campaign", "demo", "fly", "licence", "node_pages", "paper", "secure"])
+def test_a_file_that_has_the_name_of_a_module_is_not_run_by_a_script(checkout: Checkout, script: str) -> None:
+    """A `numpy.py` in the current folder was imported in place of numpy."""
+    made_on(checkout, "sourced")
+    checkout.tool("python", f'exec "{sys.executable}" "$@"')
+    (checkout.root / "argparse.py").write_text("raise SystemExit('run')\n")
+    done = checkout.shell(f"scripts/{script} --sede 3", PYTHONPATH=SOURCES)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith(f"{script}: ")
