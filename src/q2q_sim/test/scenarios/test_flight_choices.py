@@ -1,6 +1,7 @@
 """The command line of `fly` asks for the flight that its words name."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -93,6 +94,12 @@ def test_the_progress_of_a_flight_is_named_as_in_its_table(
     with pytest.raises(ValueError, match="not flown"):
         fly_with_progress(asked, tmp_path, tmp_path / "bag", Interruption())
     assert "table6 ignoring, corrected" in capsys.readouterr().err
+
+
+def test_descriptions_call_vehicles_by_the_names_that_they_fly_under() -> None:
+    for name in library.names():
+        called = set(re.findall(r"\b(?:cf|Q)\d+\b", library.describe(name)))
+        assert called <= set(library.load(name).names), name
 
 
 def test_the_descriptions_of_all_scenarios_begin_in_one_column(capsys: pytest.CaptureFixture[str]):
