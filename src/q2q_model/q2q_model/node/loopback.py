@@ -26,10 +26,24 @@ PROFILE = Path(__file__).with_name("loopback.xml")
 PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """Environment variables of a profile: up to Fast DDS 2, the version of ours, and from 3."""
 RANGE, DEPRECATED = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"
-DOMAIN, LAST_DOMAIN = "ROS_DOMAIN_ID", "232"
+DOMAIN, LAST_DOMAIN = "ROS_DOMAIN_ID", 232
 """Environment variable of the domain, and the one that ROS allows and PROFILE has too many ports for."""
 BEYOND = ("ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 """Environment variables that name other machines."""
+
+
+def chosen_domain(environment: Mapping[str, str]) -> int | None:
+    """Return the domain that the user has set; None without one.
+
+    Raises:
+        ValueError: DDS has no such domain, or ROS would read another number (-1 as 0, 010 as 8).
+    """
+    given = environment.get(DOMAIN, "").strip()
+    if not given:
+        return None
+    if given not in map(str, range(LAST_DOMAIN + 1)):
+        raise ValueError(f"{DOMAIN} is {given!r}: give an integer in [0, {LAST_DOMAIN - 1}]")
+    return int(given)
 
 
 def stays_here(environment: Mapping[str, str]) -> bool:
@@ -57,12 +71,13 @@ def restrict(environment: MutableMapping[str, str]) -> None:
     """Bind the ports of nodes started in an environment to loopback if they are to stay on this machine.
 
     Raises:
-        ValueError: they are to, in LAST_DOMAIN.
+        ValueError: they are to, in LAST_DOMAIN; or there is no such domain.
     """
+    domain = chosen_domain(environment)
     if has_own_profile(environment):
         return
     if stays_here(environment):
-        if environment.get(DOMAIN, "").strip() == LAST_DOMAIN:
+        if domain == LAST_DOMAIN:
             raise ValueError(f"{DOMAIN} is {LAST_DOMAIN}, which has too few ports: choose one in [0, 231]")
         environment.update(restriction(PROFILE))
         environment.pop(DEPRECATED, None)

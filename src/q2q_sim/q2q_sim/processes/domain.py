@@ -6,7 +6,7 @@ from contextlib import contextmanager, suppress
 from socket import socket
 
 from q2q_model.node.exclusive_use import claim
-from q2q_model.node.loopback import DOMAIN, RANGE, restrict
+from q2q_model.node.loopback import DOMAIN, RANGE, chosen_domain, restrict
 
 DOMAINS = range(20, 100)
 """Candidate domains: below 101, above those usually set by hand (ROS 2 documentation, domain id)."""
@@ -24,23 +24,23 @@ def own_domain() -> Iterator[int]:
 
     Raises:
         ValueError: other flights have the domain of the user, or all; or the user's is the last one, on this
-            machine only.
+            machine only; or there is no such domain.
     """
     os.environ.setdefault(RANGE, "LOCALHOST")
     restrict(os.environ)
-    given = os.environ.get(DOMAIN)
-    if given and int(given) in _OWN:
-        yield int(given)
+    given = chosen_domain(os.environ)
+    if given in _OWN:
+        yield given
         return
-    domain, claimed = _first_free([int(given)] if given else DOMAINS)
-    os.environ[DOMAIN] = given or str(domain)
+    domain, claimed = _first_free(DOMAINS if given is None else [given])
+    os.environ[DOMAIN] = str(domain)
     _OWN.add(domain)
     with claimed:
         try:
             yield domain
         finally:
             _OWN.remove(domain)
-            if not given:
+            if given is None:
                 os.environ.pop(DOMAIN, None)
 
 

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from q2q_model.node.exclusive_use import claim
+from q2q_model.node.loopback import restrict
 from q2q_sim.processes import domain as domain_module
 from q2q_sim.processes.domain import own_domain
 
@@ -33,6 +34,17 @@ def test_a_domain_the_user_has_set_is_kept(monkeypatch: pytest.MonkeyPatch) -> N
     with own_domain() as domain:
         assert domain == 107
     assert os.environ["ROS_DOMAIN_ID"] == "107"
+
+
+@pytest.mark.parametrize("given", ["abc", "-1", "233", "1.5", "010"])
+def test_a_domain_that_dds_does_not_have_is_refused(given: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ROS took -1 for domain 0, 1.5 for 1 and 010 for 8; Fast DDS ended the process in 233."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", given)
+    message = rf"^ROS_DOMAIN_ID is '{given}': give an integer in \[0, 231\]$"
+    with pytest.raises(ValueError, match=message), own_domain():
+        pass
+    with pytest.raises(ValueError, match=message):
+        restrict({"ROS_DOMAIN_ID": given})  # as a node does that leaves its machine
 
 
 def test_a_second_flight_in_a_domain_the_user_has_set_is_refused_until_the_first_is_over(
