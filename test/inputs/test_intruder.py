@@ -136,6 +136,18 @@ def test_a_node_that_keeps_to_its_machine_may_be_in_any_domain_but_the_last(doma
         restrict(environment | {"ROS_DOMAIN_ID": "232"})
 
 
+def test_a_range_in_which_no_node_finds_another_is_refused() -> None:
+    """ROS_LOCALHOST_ONLY overrides it: rcl takes LOCALHOST then."""
+    alone = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
+    with pytest.raises(
+        ValueError, match=r"^ROS_AUTOMATIC_DISCOVERY_RANGE is OFF, .*: unset it, or set LOCALH"
+    ):
+        restrict(dict(alone))
+    environment = alone | {"ROS_LOCALHOST_ONLY": "1"}
+    restrict(environment)
+    assert environment[PROFILE_VARIABLES[0]] == str(PROFILE)
+
+
 def test_nodes_in_the_domain_before_the_last_start() -> None:
     opened = subprocess.run(
         [sys.executable, "-c", PRINT_SHARED],

@@ -71,9 +71,14 @@ def restrict(environment: MutableMapping[str, str]) -> None:
     """Bind the ports of nodes started in an environment to loopback if they are to stay on this machine.
 
     Raises:
-        ValueError: they are to, in LAST_DOMAIN; or there is no such domain.
+        ValueError: they are to, in LAST_DOMAIN; or nodes may find no other, or there is no such domain.
     """
     domain = chosen_domain(environment)
+    if environment.get(RANGE) == "OFF" and environment.get(DEPRECATED) != "1":  # "1" overrides it
+        raise ValueError(
+            f"{RANGE} is OFF, with which no node finds another: unset it, or set LOCALHOST (this machine) or "
+            "SUBNET"
+        )
     if has_own_profile(environment):
         return
     if stays_here(environment):
