@@ -84,27 +84,35 @@ class Processes:
         self._running.clear()
 
     def start(self, spec: NodeSpec) -> None:
-        """Start a node with its parameters; its output goes to `<label>.log`."""
+        """Start a node with its parameters; its output goes to `<label>.log`.
+
+        Raises:
+            NodeDiedError: the fork server was killed meanwhile, as by a signal to all processes of a flight.
+        """
         parameters = self._folder / f"{spec.label}.yaml"
         parameters.write_text(yaml.safe_dump(parameter_sections(spec)))
         remapped = ("-r", f"__node:={spec.name}") if spec.name else ()
         self._log(spec.label).touch()  # a node that is killed at once never opens it
-        self._running[spec.label] = start_forked(
-            NodeStart(
-                package=spec.package,
-                executable=spec.executable,
-                command=(
-                    str(find_executable(spec.package, spec.executable)),
-                    "--ros-args",
-                    "--params-file",
-                    str(parameters),
-                    *remapped,
-                ),
-                environment={**os.environ, **self._environment},
-                log=self._log(spec.label),
-                cores=spec.cores,
-            )
+        start = NodeStart(
+            package=spec.package,
+            executable=spec.executable,
+            command=(
+                str(find_executable(spec.package, spec.executable)),
+                "--ros-args",
+                "--params-file",
+                str(parameters),
+                *remapped,
+            ),
+            environment={**os.environ, **self._environment},
+            log=self._log(spec.label),
+            cores=spec.cores,
         )
+        try:
+            self._running[spec.label] = start_forked(start)
+        except (EOFError, ConnectionError) as error:
+            raise NodeDiedError(
+                f"{spec.label} did not start: the process that starts nodes was killed"
+            ) from error
 
     @property
     def may_exit(self) -> frozenset[str]:

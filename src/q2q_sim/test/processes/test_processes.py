@@ -23,3 +23,18 @@ def test_a_node_that_dies_before_it_writes_a_word_is_named(
     started.start(NodeSpec("q2q_model", "mocap_filter", {}))
     with pytest.raises(NodeDiedError, match="mocap_filter ended with status 3: no output"):
         started.check()
+
+
+@pytest.mark.parametrize("error", [EOFError("unexpected EOF"), ConnectionRefusedError(111, "refused")])
+def test_a_node_whose_fork_server_is_killed_meanwhile_has_not_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    """SIGTERM to all processes of a flight, as `timeout` sends it, ended in a traceback."""
+
+    def killed(_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(processes, "start_forked", killed)
+    message = "^mocap_filter did not start: the process that starts nodes was killed$"
+    with pytest.raises(NodeDiedError, match=message):
+        Processes(tmp_path).start(NodeSpec("q2q_model", "mocap_filter", {}))
