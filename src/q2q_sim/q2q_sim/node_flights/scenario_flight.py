@@ -76,7 +76,7 @@ def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag
         ValueError: vehicles of another simulator are in it.
     """
     scenario, unfinished = load_scenario(request), why_unfinished(bag, folder)
-    flight = read_flown(bag, unfinished)
+    flight = read_flown(bag, unfinished, temporary=request.temporary)
     if strangers := [name for name in flight.names if name not in scenario.names]:
         named = ", ".join(first_of(strangers, MOST_NAMED))
         raise ValueError(
@@ -86,7 +86,8 @@ def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag
     verdict = with_lost_ticks(verdict_of(flight, around, timing.missed_ticks), flight, timing.ticks)
     if unfinished:
         flown = timing.ticks * TICK_S
-        verdict = with_finding(verdict, end_of_bag(bag, flight, flown, unfinished))
+        end = end_of_bag(bag, flight, flown, unfinished, temporary=request.temporary)
+        verdict = with_finding(verdict, end)
     else:
         verdict = with_planned_end(verdict, flight, f"{scenario.duration}")
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing, bag, verdict)

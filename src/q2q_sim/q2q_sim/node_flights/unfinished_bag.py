@@ -5,6 +5,7 @@ after the end of the bag is not known, so the flight is not ok.
 """
 
 from pathlib import Path
+from tempfile import gettempdir
 
 from q2q_model.bag import BagError, BagReader, read_flight
 from q2q_model.flights.flight import Flight
@@ -12,6 +13,7 @@ from q2q_sim.monitors.flight_verdict import Finding
 from q2q_sim.node_flights.running_nodes import RECORDER
 
 REMEDY = "make room or choose another disk, and fly again"
+REMEDY_OF_TEMPORARY = "make room there or set another TMPDIR, and fly again"
 
 
 def recorder_notes(folder: Path) -> list[str]:
@@ -41,7 +43,7 @@ def why_unfinished(bag: Path, folder: Path) -> str:
     return next(filter(None, given), "its recorder did not close it")
 
 
-def read_flown(bag: Path, unfinished: str) -> Flight:
+def read_flown(bag: Path, unfinished: str, *, temporary: bool) -> Flight:
     """Return the flight in a bag; `unfinished` is the answer of why_unfinished.
 
     Raises:
@@ -53,12 +55,23 @@ def read_flown(bag: Path, unfinished: str) -> Flight:
         if not unfinished:
             raise
         raise BagError(
-            f"nothing of the flight can be read from its bag {bag} ({unfinished}): {REMEDY}"
+            f"nothing of the flight can be read from its {_place(bag, temporary=temporary)} ({unfinished}): "
+            f"{_remedy(temporary=temporary)}"
         ) from unreadable
 
 
-def end_of_bag(bag: Path, flight: Flight, flown: float, unfinished: str) -> Finding:
+def end_of_bag(bag: Path, flight: Flight, flown: float, unfinished: str, *, temporary: bool) -> Finding:
     """Return the finding that a bag ends before its flight, which took `flown` [s]."""
     end = float(flight.t[-1] - flight.t[0])
-    readable = f"the bag {bag} can be read up to {end:.1f} s of {flown:.1f} s"
-    return Finding(float(flight.t[-1]), f"{readable}, and nothing later is judged ({unfinished}): {REMEDY}")
+    readable = f"the {_place(bag, temporary=temporary)} can be read up to {end:.1f} s of {flown:.1f} s"
+    said = f"{readable}, and nothing later is judged ({unfinished}): {_remedy(temporary=temporary)}"
+    return Finding(float(flight.t[-1]), said)
+
+
+def _place(bag: Path, *, temporary: bool) -> str:
+    """Return where a bag is; of a temporary one, which is deleted, the folder that has no room."""
+    return f"temporary bag in {gettempdir()}" if temporary else f"bag {bag}"
+
+
+def _remedy(*, temporary: bool) -> str:
+    return REMEDY_OF_TEMPORARY if temporary else REMEDY

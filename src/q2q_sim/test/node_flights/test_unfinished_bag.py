@@ -1,5 +1,6 @@
 """No flight whose bag is cut is ok: not where it was flown, and not where the bag is read later."""
 
+import warnings
 from pathlib import Path
 
 import pytest
@@ -129,6 +130,25 @@ def test_a_bag_in_which_nothing_can_be_read_is_an_error_with_its_reason(
     record_on_full_disk(messages, bag, 0.01, folder / "bag_record.log")
     with pytest.raises(BagError, match=r"nothing of the flight can be read .*\(File too large\): make room"):
         flown_run(scenario, bag, folder)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.01])
+def test_of_a_temporary_bag_the_folder_without_room_is_named(
+    scenario: Path, messages: Messages, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    """The bag itself is deleted before anybody could look for it."""
+    bag, folder = tmp_path / "bag", tmp_path / "nodes"
+    record_on_full_disk(messages, bag, share, folder / "stack.log")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "small"))
+    request = FlightRequest(str(scenario), record=MEASURED, temporary=True)
+    try:
+        with warnings.catch_warnings(action="ignore", category=BagRepairWarning):
+            said = str(recorded_run(request, TIMING, folder, bag).verdict)
+    except BagError as error:
+        said = str(error)
+    assert f"temporary bag in {tmp_path / 'small'} " in said
+    assert said.endswith("(File too large): make room there or set another TMPDIR, and fly again")
+    assert str(bag) not in said
 
 
 def test_a_bag_that_is_not_closed_is_unfinished_without_a_log_too(messages: Messages, tmp_path: Path) -> None:
