@@ -186,6 +186,15 @@ def test_a_sample_without_noise_is_the_position_to_the_last_bit():
     assert np.array_equal(better.state[:, 0], measured)
 
 
+def test_a_track_without_samples_has_no_gain_where_positions_have_no_noise():
+    """The plain form warned of 0 / 0 in every tick, in each row of a table that no vehicle uses yet."""
+    unused = kalman_filter.MotionEstimate(np.zeros((2, 3, 3)), np.zeros((2, 3, 3)))
+    with np.errstate(all="raise"):
+        K = kalman_filter.gain.py_func(unused, 0.0)
+    assert np.isnan(K).all()
+    np.testing.assert_array_equal(kalman_filter.gain(unused, 0.0), K)
+
+
 def settling(samples: int, period: float = 0.01) -> tuple[PositionTracks, list[Array]]:
     """Return a track at rest after so many samples, and the covariance after each."""
     made = PositionTracks(TrackParams(8.0, 2.0, 0.25, 1e-3, 8.0, 0.35, 0.06, 4.0), 1)

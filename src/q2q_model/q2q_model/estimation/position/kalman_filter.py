@@ -91,13 +91,14 @@ def _add_process_noise(cov: Array, tau: float, density: float) -> None:
     cov[2, 2] += density * tau
 
 
-@compiled(error_model="numpy")
+@compiled
 def gain(ahead: MotionEstimate, noise_var: float) -> Array:
     """Return K, (n, 3); NaN for a track without samples if sigma = 0."""
     K = np.empty((len(ahead.cov), 3))
     for i in range(len(K)):
+        S = ahead.cov[i, 0, 0] + noise_var
         for row in range(3):
-            K[i, row] = ahead.cov[i, row, 0] / (ahead.cov[i, 0, 0] + noise_var)
+            K[i, row] = ahead.cov[i, row, 0] / S if S != 0.0 else np.nan
     return K
 
 
