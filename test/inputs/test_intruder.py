@@ -2,8 +2,10 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from started_nodes import wait_until_spinning
@@ -187,7 +189,25 @@ def test_a_node_that_is_informed_of_other_machines_is_not_bound_any_more(more: d
     assert environment == HERE | more
 
 
-def test_a_profile_of_the_user_is_kept() -> None:
-    environment = HERE | {PROFILE_VARIABLES[1]: "mine.xml"}
+def test_a_profile_of_the_user_is_kept(tmp_path: Path) -> None:
+    file = tmp_path / "mine.xml"
+    file.write_text("<dds/>")
+    given = HERE | {PROFILE_VARIABLES[1]: str(file)}
+    environment = dict(given)
     restrict(environment)
-    assert environment == HERE | {PROFILE_VARIABLES[1]: "mine.xml"}
+    assert environment == given
+
+
+@pytest.mark.parametrize("name", PROFILE_VARIABLES)
+@pytest.mark.parametrize(
+    ("text", "why"), [(None, "No such file or directory"), ("profiles: {}", "no XML: syntax error: line 1, ")]
+)
+def test_a_profile_that_cannot_be_read_is_refused(
+    name: str, text: str | None, why: str, tmp_path: Path
+) -> None:
+    """The middleware leaves it out with no word of it: nodes would be open to other machines."""
+    file = tmp_path / "mine.xml"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(ValueError, match=re.escape(f"{name} is {file}, which cannot be read ({why}")):
+        restrict(HERE | {name: str(file)})

@@ -19,6 +19,7 @@ Source: Fast DDS 2.14, XML profiles, `interfaceWhiteList`; rmw_fastrtps_shared_c
 
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 LOOPBACK = "127.0.0.1"
 """Address of the interface, as in PROFILE."""
@@ -71,7 +72,8 @@ def restrict(environment: MutableMapping[str, str]) -> None:
     """Bind the ports of nodes started in an environment to loopback if they are to stay on this machine.
 
     Raises:
-        ValueError: they are to, in LAST_DOMAIN; or nodes may find no other, or there is no such domain.
+        ValueError: they are to, in LAST_DOMAIN; or nodes may find no other, there is no such domain, or a
+            profile of the user cannot be read.
     """
     domain = chosen_domain(environment)
     if environment.get(RANGE) == "OFF" and environment.get(DEPRECATED) != "1":  # "1" overrides it
@@ -80,6 +82,7 @@ def restrict(environment: MutableMapping[str, str]) -> None:
             "SUBNET"
         )
     if has_own_profile(environment):
+        _check_profiles(environment)
         return
     if stays_here(environment):
         if domain == LAST_DOMAIN:
@@ -90,3 +93,16 @@ def restrict(environment: MutableMapping[str, str]) -> None:
     if is_restricted(environment):
         environment[RANGE] = "LOCALHOST"
     environment.pop(PROFILE_VARIABLES[0], None)
+
+
+def _check_profiles(environment: Mapping[str, str]) -> None:
+    """Raise ValueError for a profile that the middleware would leave out with no word of it."""
+    for name in PROFILE_VARIABLES:
+        if file := environment.get(name):
+            try:
+                ET.parse(file)  # noqa: S314 - the user's own file
+            except (OSError, ET.ParseError) as error:
+                why = error.strerror if isinstance(error, OSError) else f"no XML: {error}"
+                raise ValueError(
+                    f"{name} is {file}, which cannot be read ({why}): correct or unset it"
+                ) from error
