@@ -19,7 +19,6 @@ Source: Fast DDS 2.14, XML profiles, `interfaceWhiteList`; rmw_fastrtps_shared_c
 
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 LOOPBACK = "127.0.0.1"
 """Address of the interface, as in PROFILE."""
@@ -97,6 +96,8 @@ def restrict(environment: MutableMapping[str, str]) -> None:
 
 def _check_profiles(environment: Mapping[str, str]) -> None:
     """Raise ValueError for a profile that the middleware would leave out with no word of it."""
+    from xml.etree import ElementTree as ET  # few have a profile, and it takes 7 ms of every start
+
     for name in PROFILE_VARIABLES:
         if file := environment.get(name):
             try:

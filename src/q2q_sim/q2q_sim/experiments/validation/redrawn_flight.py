@@ -13,13 +13,13 @@ import numpy as np
 
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.geometry.rotations import UP, yaw_from_quat
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import TRACKED, Array, Names, SwarmState
 from q2q_model.trajectory.flatness import flat_state
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.recorded.estimate_noise import estimate_noise
 from q2q_sim.experiments.validation.recorded.recorded_law import ReadFlight, feedback
 from q2q_sim.experiments.validation.recorded.rotor_drag import drag_acceleration
-from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight, tracked_state
+from q2q_sim.experiments.validation.recorded.tracked_flight import TrackedFlight
 from q2q_sim.plant.body.state_row import POS, QUAT, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 
@@ -87,9 +87,15 @@ class _ExpectedDownwash:
         if not self._predictors:
             return np.asarray(self._flight.compensated[k])
         t, names = k * self._flight.dt, self._flight.names
-        states = [tracked_state(t, names, *one) for one in zip(pos, vel, quat, strict=True)]
+        states = [_tracked_state(t, names, *one) for one in zip(pos, vel, quat, strict=True)]
         acc = [each.update(state).acc for each, state in zip(self._predictors, states, strict=True)]
         return np.stack(acc)[..., 2]
+
+
+def _tracked_state(t: float, names: Names, pos: Array, vel: Array, quat: Array) -> SwarmState:
+    """Return the state of vehicles that are all tracked, at time t [s]."""
+    n = len(names)
+    return SwarmState(t, names, pos, vel, quat, np.zeros((n, 3)), np.zeros(n), np.full(n, TRACKED, np.uint8))
 
 
 def _command(acc: Array, yaw: Array, mass: float) -> Array:

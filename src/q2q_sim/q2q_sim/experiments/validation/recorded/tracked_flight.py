@@ -9,18 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference, setpoint_positions
 from q2q_model.geometry.rotations import UP, normalised, quat_from_euler, rotate, yaw_from_quat
+from q2q_model.identification.push.along_flight import Motion, eta_along
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.recordings.flight_recording import Recording
-from q2q_model.signals.values import TRACKED, Array, Mask, Names, Rows, SwarmState
+from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.records.air_record import air_records
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
@@ -185,18 +185,9 @@ def _predicting_model(recording: Recording, compensated: Array) -> InteractionMo
         model = find_model(recording.model).interaction
     except ModelFileError:  # a file of another machine, or since deleted
         return None
-    predictor = InteractionPredictor(model)
-    rows = zip(flight.t.tolist(), flight.pos, flight.vel, flight.quat, strict=True)
-    states = (tracked_state(t, flight.names, pos, vel, quat) for t, pos, vel, quat in rows)
-    predicted = np.stack([predictor.update(state).acc[:, 2] for state in states])  # (T, n)
+    predicted = eta_along(model, Motion(flight.t, flight.pos, flight.vel, rotate(flight.quat, UP)))[..., 2]
     missed = np.where(compensated != 0.0, predicted - compensated, 0.0)
     return model if np.linalg.norm(missed) <= PREDICTED * recorded else None
-
-
-def tracked_state(t: float, names: Names, pos: Array, vel: Array, quat: Array) -> SwarmState:
-    """Return the state of vehicles that are all tracked, at time t [s]."""
-    n = len(names)
-    return SwarmState(t, names, pos, vel, quat, np.zeros((n, 3)), np.zeros(n), np.full(n, TRACKED, np.uint8))
 
 
 def flying_grid(flight: Flight) -> Array:
